@@ -31,8 +31,8 @@ struct TapCounts {
   std::uint64_t odd = 0;         // skipped: messages that are not topic and payload
 };
 
-// Subscribes to daemons and records what they publish, each frame once. If no daemon listens there yet, it waits.
-// One thread.
+// Subscribes to daemons and records what they publish, each frame once. If no daemon listens there
+// yet, it waits. One thread.
 class Tap {
  public:
   // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys.

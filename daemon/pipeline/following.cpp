@@ -15,6 +15,8 @@ using Change = standby::Standby::Change;
 
 // Bounds a turn: 64 entries of one performer's frame take about 2 ms.
 constexpr int kEntriesPerTurn = 64;
+// The "checkpoint" of those who are not here: the number with which their frames may begin.
+constexpr const char* kSequences = "*";
 
 }  // namespace
 
@@ -38,6 +40,9 @@ int Pipeline::DoStandby() {
   if (std::string line = standby.PopLine(); !line.empty()) {
     log_.Log(Event::Level::kWarning, "standby: " + line);
   }
+  if (std::string complaint = standby.PopComplaint(); !complaint.empty()) {
+    log_.LogOf(LogLimit::Kind::kStandby, {}, "standby", Event::Level::kWarning, complaint);
+  }
   return work;
 }
 
@@ -47,18 +52,12 @@ void Pipeline::OnChange(Change change) {
   to_.mailboxes.stands_by.store(!standby.leads(), std::memory_order_relaxed);
   unsent_.clear();
   silence_.Clear();
-  switch (change) {
-    case Change::kFollow:
-      return standby.publisher().Hold();
-    case Change::kTakeOver:
-      standby.publisher().Release(true);
-      GoOn();
-      break;
-    default:
-      standby.publisher().Release(false);
-      FeedBodies(true);
-      break;
-  }
+  if (change == Change::kFollow) return standby.publisher().Hold();
+  standby.held().Expire(roster_.source_names(), to_.clock.Now_ns());
+  // A part of the leader's state is better than none: whom it has goes on, in the same epoch.
+  const bool goes_on = change == Change::kTakeOver || standby.has_part();
+  standby.publisher().Release(goes_on);
+  goes_on ? GoOn() : FeedBodies(true);
   standby.held().Clear();
   for (const auto& performer : roster_.performers) {
     performer->outputs.SendBodies(to_.publisher);
@@ -128,7 +127,8 @@ int Pipeline::SendState() {
     const auto kept = roster_.Snapshot();
     v1::Beginning& beginning = *standby.NewEntry().mutable_beginning();
     beginning.set_settings(FormatProfiles(*kept));
-    unsent_.clear();
+    unsent_ = {kSequences};
+    beginning.add_performers(kSequences);
     for (const auto& performer : roster_.performers) {
       unsent_.push_back(performer->profile.id);
       beginning.add_performers(performer->profile.id);
@@ -148,8 +148,13 @@ int Pipeline::SendState() {
   request.set_performer(unsent_.front());
   request.mutable_take_checkpoint();
   v1::Reply reply;
-  Answer(request, reply);
+  if (unsent_.front() == kSequences) {
+    reply.set_code(v1::CODE_UNKNOWN_PERFORMER);
+  } else {
+    Answer(request, reply);
+  }
   v1::Checkpoint& checkpoint = *standby.NewEntry().mutable_checkpoint();
+  if (unsent_.front() == kSequences) checkpoint.set_sequence(roster_.FirstSequence());
   // Of one who is gone, or waits for a calibration, there is only the name.
   if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
   checkpoint.set_performer(unsent_.front());
@@ -172,6 +177,10 @@ void Pipeline::JournalFrames(int source, std::span<const source::SourceFrame> fr
 
 void Pipeline::JournalSilence(std::int64_t now_ns) {
   if (silence_.stale().empty() && silence_.forgotten().empty()) return;
+  if (!journals()) {
+    silence_.Clear();
+    return to_.standby->SkipEntry();
+  }
   to_.standby->NewEntry().mutable_silence()->Swap(&silence_);
   silence_.Clear();
   to_.standby->Send(now_ns, to_.clock.Wall_ns());
@@ -182,7 +191,15 @@ void Pipeline::JournalRequest(const v1::Request& request, const v1::Reply& reply
   const bool done = reply.code() == v1::CODE_OK || reply.has_like();  // the style is made
   if (!done || !record::Changes(request)) return;
   if (!to_.standby->wanted()) return to_.standby->SkipEntry();
-  *to_.standby->NewEntry().mutable_request() = request;
+  v1::Request& entry = *to_.standby->NewEntry().mutable_request();
+  entry = request;
+  // A style that was made is handed over as it is, not made again.
+  const std::string& name = reply.like().name();
+  const auto made = roster_.config().made.find(name);
+  if ((request.has_like() || request.has_import_style()) && made != roster_.config().made.end()) {
+    entry.mutable_import_style()->set_file(FormatStyleFile(*made->second, roster_.config()));
+    entry.mutable_import_style()->set_replace(true);
+  }
   to_.standby->Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
 }
 
@@ -232,14 +249,21 @@ void Pipeline::Import(const std::string& style) {
       FormatStyleFile(*here->second, roster_.config()) == style) {
     return;
   }
-  v1::Request request;
-  request.mutable_import_style()->set_file(style);
-  request.mutable_import_style()->set_replace(true);
-  RepeatRequest(request);
+  // Asked for twice, it would get a second place among the styles.
+  if (std::ranges::count(imports_, style) > 0) return;
+  auto exchange = std::make_unique<Exchange>();
+  exchange->request.mutable_import_style()->set_file(style);
+  exchange->request.mutable_import_style()->set_replace(true);
+  exchange->followed = true;
+  // What finds it full comes with the state that is fetched after one of the others.
+  if (!to_.mailboxes.takes.Push(std::move(exchange))) return;
+  imports_.push_back(style);
+  to_.mailboxes.wake_supervisor.Signal();
 }
 
 void Pipeline::RepeatCheckpoint(const v1::Checkpoint& checkpoint) {
   const std::string& id = checkpoint.performer();
+  if (id == kSequences) roster_.BeginSequencesAt(checkpoint.sequence());
   if (checkpoint.version() == 0) return to_.standby->Restored(id);
   v1::Request request;
   *request.mutable_restore_checkpoint()->mutable_checkpoint() = checkpoint;
@@ -298,11 +322,11 @@ void Pipeline::RepeatSilence(const v1::Silence& silence, std::int64_t own_ns) {
 }
 
 void Pipeline::RepeatRequest(const v1::Request& request) {
+  if (request.has_import_style()) return Import(request.import_style().file());
   if (IsStyleRequest(request)) {  // the supervisor does it, and the state is fetched again then
     auto exchange = std::make_unique<Exchange>();
     exchange->request = request;
     exchange->followed = true;
-    // What finds it full comes with the state that is fetched after one of the others.
     if (to_.mailboxes.takes.Push(std::move(exchange))) to_.mailboxes.wake_supervisor.Signal();
     return;
   }
@@ -315,19 +339,22 @@ void Pipeline::RepeatRequest(const v1::Request& request) {
 bool Pipeline::RefusesOrders(Exchange& exchange) {
   if (leads() || !record::Changes(exchange.request)) return false;
   standby::RefuseOrder(to_.standby->peer_address(), exchange.request, exchange.reply);
+  if (to_.standby->looks()) {
+    exchange.reply.set_code(v1::CODE_NOT_READY);
+    exchange.reply.set_reason("this daemon looks whether " + to_.standby->peer_address() +
+                              " leads: try again in a second");
+  }
   return true;
 }
 
 bool Pipeline::DoesLead(Exchange& exchange) {
   if (!exchange.request.has_lead()) return false;
   exchange.reply.set_id(exchange.request.id());
-  Change change = Change::kNone;
-  const std::string why = to_.standby == nullptr ? "" : to_.standby->Wish(change);
+  const std::string why = to_.standby == nullptr ? "" : to_.standby->Wish();
   if (!why.empty()) {
     exchange.reply.set_code(v1::CODE_NOT_READY);
     exchange.reply.set_reason("lead: " + why);
   }
-  OnChange(change);
   return true;
 }
 

@@ -28,6 +28,7 @@ class LogLimit {
     kFacing,
     kFace,
     kFingers,
+    kStandby,
     kCount
   };
 

@@ -148,8 +148,12 @@ int Pipeline::DoReloads() {
     return 1;
   }
   if (reload.exchange->followed) {
-    if (!done) to_.standby->Failed(reload.exchange->reply.reason());
-    to_.standby->Refetch();
+    imports_.clear();
+    if (done) {
+      to_.standby->Refetch();
+    } else {  // it is fetched again, but not at once
+      to_.standby->Failed(reload.exchange->reply.reason());
+    }
     return 1;
   }
   Return(std::move(reload.exchange));

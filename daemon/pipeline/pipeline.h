@@ -169,8 +169,9 @@ class Pipeline final : public Worker, public source::Receiver {
   std::span<const standby::Outcome> decided_;
   bool feeds_ = false;  // what was held is handled: no frame of it is passed over
   v1::Silence silence_;
-  bool tells_all_ = false;          // the standby gets everything anew
-  std::deque<std::string> unsent_;  // ids of performers whose checkpoints the standby waits for
+  std::vector<std::string> imports_;  // styles of the leader's that the supervisor imports now
+  bool tells_all_ = false;            // the standby gets everything anew
+  std::deque<std::string> unsent_;    // ids of performers whose checkpoints the standby waits for
   Stages stages_;
   Stats stats_;
   EventLog log_;

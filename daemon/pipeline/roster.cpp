@@ -217,6 +217,21 @@ void Roster::Clear(std::uint64_t epoch) {
   epoch_ = epoch;
 }
 
+std::uint64_t Roster::FirstSequence() const {
+  std::uint64_t first = first_sequence_;
+  for (const auto& [id, profile] : profiles) first = std::max(first, profile->next_sequence);
+  return first;
+}
+
+void Roster::BeginSequencesAt(std::uint64_t sequence) {
+  first_sequence_ = std::max(first_sequence_, sequence);
+  for (const auto& [id, profile] : profiles) {
+    if (LiveOf(*profile) == nullptr) {
+      profile->next_sequence = std::max(profile->next_sequence, first_sequence_);
+    }
+  }
+}
+
 void Roster::Restore(std::vector<Profile> kept) {
   // If there are more than max_profiles(), the first ones in this order are kept.
   std::stable_sort(kept.begin(), kept.end(), [](const Profile& a, const Profile& b) {

@@ -59,6 +59,9 @@ class Roster {
 
   // Forgets everybody and all settings; frames have this epoch from now on.
   void Clear(std::uint64_t epoch);
+  // Where the sequences of performers who come from now on begin: beyond all that were used.
+  std::uint64_t FirstSequence() const;
+  void BeginSequencesAt(std::uint64_t sequence);
   // The saved settings of the last run ("*" among them).
   void Restore(std::vector<Profile> profiles);
   // The settings to save: configured profiles and, as "*", those for future performers.

@@ -72,7 +72,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
       log_.LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
                  "forgotten after silence");
       to_.counters.Add(Counter::kPipelineForgotten);
-      if (journals()) silence_.add_forgotten(performer.profile.id);
+      if (to_.standby != nullptr) silence_.add_forgotten(performer.profile.id);
       roster_.Forget(performer);
       --i;
       ++work;
@@ -130,7 +130,7 @@ void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   performer.Send(to_.publisher, bundles_, now_ns);
   SendBundles();
   to_.counters.Add(Counter::kPipelineStale);
-  if (!journals()) return;
+  if (to_.standby == nullptr || !leads()) return;
   auto& stale = *silence_.add_stale();
   stale.set_performer(performer.profile.id);
   stale.set_first_sequence(performer.profile.next_sequence - 1);

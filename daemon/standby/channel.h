@@ -27,8 +27,8 @@ class Channel {
 };
 
 // A Channel over ZeroMQ: an XPUB socket bound at `address`, and a SUB socket connected to `peer`.
-// To ask is to subscribe to one more topic. `endpoint` receives the bound address. `fds` receives descriptors
-// that are readable when Receive or TakeAsked may find something; edge-triggered.
+// To ask is to subscribe to one more topic. `endpoint` receives the bound address. `fds` receives
+// descriptors that are readable when Receive or TakeAsked may find something; edge-triggered.
 struct Opened {
   std::unique_ptr<Channel> channel;
   std::string endpoint;

@@ -43,12 +43,26 @@ void HoldBack::Add(int source, std::span<const source::SourceFrame> frames, std:
     }
     frames_.push_back(Keep(source, frame, now_ns));
   }
+  DropOld(now_ns);
+}
+
+void HoldBack::DropOld(std::int64_t now_ns) {
   while (!frames_.empty() &&
          (frames_.size() > kMost || now_ns - frames_.front()->at_ns > kKeep_ns)) {
     frames_.front()->frame.body.reset();
     free_.push_back(std::move(frames_.front()));
     frames_.pop_front();
   }
+}
+
+void HoldBack::Expire(const std::vector<std::string>& source_names, std::int64_t now_ns) {
+  DropOld(now_ns);
+  std::erase_if(bodies_, [&](const auto& body) {
+    const std::string& source = source_names[static_cast<std::size_t>(body.first.first)];
+    return now_ns - body.second->at_ns > kKeep_ns &&
+           LastOf(source_names, source + "." + body.first.second) ==
+               std::numeric_limits<std::int64_t>::min();
+  });
 }
 
 void HoldBack::Clear() {

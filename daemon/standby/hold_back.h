@@ -44,6 +44,8 @@ class HoldBack {
 
   void Add(int source, std::span<const source::SourceFrame> frames, std::int64_t now_ns);
   void Clear();
+  // Drops what is older than kKeep_ns, and the bodies of those who have sent nothing since.
+  void Expire(const std::vector<std::string>& source_names, std::int64_t now_ns);
   const std::deque<std::unique_ptr<Held>>& frames() const { return frames_; }
   // The newest body of each performer, by source and name.
   const std::map<std::pair<int, std::string>, std::unique_ptr<Held>>& bodies() const {
@@ -65,6 +67,7 @@ class HoldBack {
 
  private:
   static constexpr std::size_t kUsualBytes = 2048;
+  void DropOld(std::int64_t now_ns);
   std::unique_ptr<Held> Keep(int source, const source::SourceFrame& frame, std::int64_t now_ns);
   static bool IsOf(const Held& held, const std::vector<std::string>& source_names,
                    std::string_view id);

@@ -1,21 +1,34 @@
 #include "daemon/standby/roles.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace styled::standby {
 
 Roles::Change Roles::Start(Change change) {
   if (change == Change::kNone) return change;
-  silence_ns_ = 0;
+  silence_ns_ = led_ns_ = 0;
+  const bool claimed = std::exchange(claims_, false);
+  from_nothing_ = change == Change::kLead;
   if (change == Change::kFollow) {
     role_ = v1::ROLE_FOLLOWING;
     leader_ = peer_.daemon;
     term_ = peer_.term;
   } else {
     role_ = v1::ROLE_LEADING;
-    term_ = std::max(term_, peer_.term) + 1;
+    term_ = claimed         ? term_ + 1
+            : from_nothing_ ? std::max({term_, peer_.term, std::uint64_t{1}})
+                            : std::max(term_, peer_.term) + 1;
   }
   return change;
+}
+
+void Roles::Age(std::int64_t passed_ns) {
+  const std::int64_t before_ns = led_ns_;
+  led_ns_ += passed_ns;
+  for (const std::int64_t age_ns : kSeniority_ns) {
+    if (from_nothing_ && before_ns < age_ns && led_ns_ >= age_ns) ++term_;
+  }
 }
 
 bool Roles::WinsAtStart(const Peer& peer) const {
@@ -54,6 +67,7 @@ Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready) {
   timed_ = true;
   const std::int64_t passed_ns = now_ns - last_ns_;
   last_ns_ = now_ns;
+  if (role_ == v1::ROLE_LEADING) Age(std::max<std::int64_t>(passed_ns, 0));
   silence_ns_ += std::clamp<std::int64_t>(passed_ns, 0, hold_ns_ / 4);
   if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= hold_ns_) {
     return Start(ready ? Change::kTakeOver : Change::kLead);

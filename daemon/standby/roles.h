@@ -41,16 +41,26 @@ class Roles {
   // Call at least every hold_ns / 4. `ready`: it has the leader's state. Of a longer pause only
   // that much counts as the other's silence: it was this daemon that stood still.
   Change OnTime(std::int64_t now_ns, bool ready);
-  // Somebody wants this daemon to lead now. Only while it follows and is ready.
-  Change OnWish() { return Start(Change::kTakeOver); }
+  // Somebody wants this daemon to lead. It says that it leads in the next term; what the leader
+  // still has to say comes first: it ends with a goodbye. Only while it follows and is ready.
+  void OnWish() { claims_ = true; }
 
   v1::Role role() const { return role_; }
   std::uint64_t term() const { return term_; }
+  // As the other daemon is told.
+  v1::Role said_role() const { return claims_ ? v1::ROLE_LEADING : role_; }
+  std::uint64_t said_term() const { return term_ + (claims_ ? 1 : 0); }
   const Peer& peer() const { return peer_; }
   std::int64_t silence_ns() const { return silence_ns_; }
 
  private:
+  // A daemon that leads from nothing gains a term when it has done so for each of these times: of
+  // two that never heard of each other the one with the longer show stays.
+  static constexpr std::int64_t kSeniority_ns[] = {5'000'000'000, 60'000'000'000, 600'000'000'000,
+                                                   3'600'000'000'000};
+
   Change Start(Change change);
+  void Age(std::int64_t passed_ns);
   bool WinsAtStart(const Peer& peer) const;
 
   const std::uint64_t daemon_;
@@ -62,6 +72,9 @@ class Roles {
   Peer peer_;
   std::int64_t last_ns_ = 0, silence_ns_ = 0;
   bool timed_ = false;
+  bool claims_ = false;  // it wants to lead, and the leader has not said goodbye yet
+  bool from_nothing_ = false;
+  std::int64_t led_ns_ = 0;
 };
 
 }  // namespace styled::standby

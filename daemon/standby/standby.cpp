@@ -13,6 +13,11 @@ constexpr std::int64_t kHeard_ns = 1'000'000'000;
 constexpr std::int64_t kAnswer_ns = 1'000'000'000;
 // Signs of life per hold: one may be lost to a turn that takes long.
 constexpr int kBeats = 5;
+// However long the hold: the other daemon is to be heard within kHeard_ns, and before it leads
+// alone.
+constexpr std::int64_t kLongestBeat_ns = 200'000'000;
+// Clocks drift apart by 20 microseconds a second and more.
+constexpr std::int64_t kWindow_ns = 10'000'000'000;
 
 const char* Name(v1::Role role) {
   switch (role) {
@@ -42,7 +47,7 @@ Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config
                  std::uint64_t daemon, publish::Publisher& publisher, const runtime::Clock& clock)
     : config_(config),
       daemon_(daemon),
-      beat_ns_(runtime::Nanoseconds(config.hold_s) / kBeats),
+      beat_ns_(std::min(runtime::Nanoseconds(config.hold_s) / kBeats, kLongestBeat_ns)),
       channel_(std::move(channel)),
       clock_(clock),
       publisher_(publisher, clock),
@@ -58,6 +63,7 @@ Standby::Change Standby::Note(Change change) {
     case Change::kFollow:
       line_ = "standby of " + config_.peer + ", which leads";
       sync_ = Sync::kNone;
+      has_part_ = false;
       Refetch();
       break;
     case Change::kTakeOver:
@@ -77,10 +83,12 @@ Standby::Change Standby::Note(Change change) {
 bool Standby::Next(Step& step) {
   step = Step();
   if (!channel_->Receive(bytes_)) return false;
-  if (!in_.ParseFromString(bytes_) || in_.version() != kVersion) {
-    Failed(config_.peer + " speaks another version of the journal (" +
-           std::to_string(in_.version()) + "), expected " + std::to_string(kVersion) +
-           ": both daemons must be of one version");
+  if (!in_.ParseFromString(bytes_)) {
+    Failed(config_.peer + " says what is no entry of a journal: is it a daemon's standby.address?");
+    return true;
+  }
+  if (in_.version() != kVersion) {
+    Failed(config_.peer + " speaks another version of the journal: both daemons must be of one");
     return true;
   }
   // A clock that no machine has: 146 years, in either direction.
@@ -101,7 +109,16 @@ bool Standby::Next(Step& step) {
   best_ahead_ns_ = std::max(best_ahead_ns_, in_.now_ns() - now_ns);
   heard_daemon_ = in_.daemon();
   heard_number_ = in_.number();
-  step.change = Note(roles_.OnPeer({in_.daemon(), in_.role(), in_.term(), in_.first()}));
+  if (now_ns - window_ns_ >= kWindow_ns) {
+    if (sync_ == Sync::kReady && window_ns_ != 0) ahead_ns_ = best_ahead_ns_;
+    best_ahead_ns_ = in_.now_ns() - now_ns;
+    window_ns_ = now_ns;
+  }
+  const bool led = leads();
+  const Change change = roles_.OnPeer({in_.daemon(), in_.role(), in_.term(), in_.first()});
+  // Whoever takes the lead has everything of this daemon's journal first.
+  if (led && change == Change::kFollow) SayGoodbye();
+  step.change = Note(change);
   if (roles_.role() != v1::ROLE_FOLLOWING || step.change != Change::kNone) return true;
   if (!goes_on && sync_ != Sync::kAsked) Refetch();
   const bool begins = in_.has_beginning();
@@ -124,20 +141,24 @@ Standby::Change Standby::OnTime() {
   return change;
 }
 
-std::string Standby::Wish(Change& change) {
+std::string Standby::Wish() {
   if (leads()) return "";
   if (!ready()) {
     return "this daemon does not have the state of all performers" +
            (why_not_.empty() ? "; expected one that follows" : ": " + why_not_);
   }
-  change = Note(roles_.OnWish());
+  roles_.OnWish();
+  (void)NewEntry();
+  Send(Now_ns(), clock_.base().Wall_ns());
   return "";
 }
 
 void Standby::Leave() {
-  if (!leads()) return;
-  NewEntry();
-  out_.set_role(v1::ROLE_LEAVING);
+  if (leads()) SayGoodbye();
+}
+
+void Standby::SayGoodbye() {
+  NewEntry().set_role(v1::ROLE_LEAVING);
   Send(Now_ns(), clock_.base().Wall_ns());
 }
 
@@ -145,7 +166,7 @@ bool Standby::wanted() const { return leads() && timed_ && Now_ns() - heard_ns_ 
 
 v1::Journal& Standby::NewEntry() {
   out_.Clear();
-  out_.set_role(roles_.role());
+  out_.set_role(roles_.said_role());
   return out_;
 }
 
@@ -153,7 +174,7 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   out_.set_version(kVersion);
   out_.set_daemon(daemon_);
   out_.set_epoch(epoch_);
-  out_.set_term(roles_.term());
+  out_.set_term(roles_.said_term());
   out_.set_first(config_.first);
   out_.set_number(++number_);
   out_.set_now_ns(now_ns);
@@ -163,7 +184,10 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   said_ns_ = Now_ns();
 }
 
-bool Standby::TakeAsked() { return channel_->TakeAsked() && leads(); }
+bool Standby::TakeAsked() {
+  asked_ = channel_->TakeAsked() || asked_;
+  return leads() && std::exchange(asked_, false);
+}
 
 void Standby::Refetch() {
   asked_ns_ = Now_ns();
@@ -173,6 +197,7 @@ void Standby::Refetch() {
 
 void Standby::Begin(const v1::Beginning& beginning, const v1::Journal& entry) {
   ++fetched_;
+  has_part_ = true;
   epoch_ = entry.epoch();
   asked_ns_ = Now_ns();
   why_not_.clear();
@@ -187,9 +212,14 @@ void Standby::Restored(const std::string& performer) {
 }
 
 void Standby::Failed(std::string why) {
+  if (sync_ == Sync::kReady) {
+    sync_ = Sync::kFetching;
+    awaited_.insert("");  // nobody: it ends with the next fetch, in kAgain_ns
+    asked_ns_ = Now_ns();
+  }
   if (why == why_not_) return;
   why_not_ = std::move(why);
-  line_ = "cannot stand in: " + why_not_;
+  complaint_ = "cannot stand in: " + why_not_;
 }
 
 void Standby::Compared(bool same) {

@@ -70,8 +70,9 @@ class Standby {
   // Call once a turn, after Next: what silence decides. Says that this daemon is alive.
   Change OnTime();
   std::int64_t NextDeadline_ns() const { return said_ns_ + beat_ns_; }
-  // Somebody wants this daemon to lead. Returns why it cannot, or "" and what changes.
-  std::string Wish(Change& change);
+  // Somebody wants this daemon to lead. Returns why it cannot, or "": it does so as soon as the
+  // leader has said goodbye, or is silent.
+  std::string Wish();
   // Tells the other one that this daemon stops, so that it need not wait.
   void Leave();
 
@@ -88,9 +89,14 @@ class Standby {
 
   // The follower's part.
   bool ready() const { return sync_ == Sync::kReady; }
+  bool looks() const { return roles_.role() == v1::ROLE_LOOKING; }
+  // It has at least a part of the leader's state, in whose epoch it then goes on.
+  bool has_part() const { return has_part_; }
   void Begin(const v1::Beginning& beginning, const v1::Journal& entry);
   void Restored(const std::string& performer);
-  void Failed(std::string why);  // a part of the state could not be taken over
+  // A part of the state could not be taken over, or something not be repeated: what is here is not
+  // the leader's state, until it was fetched again.
+  void Failed(std::string why);
   // Asks for the whole state, since what is here may differ from the leader's.
   void Refetch();
   // A frame was styled as the leader styled it, or not: it has the whole state sent again then, at
@@ -104,6 +110,8 @@ class Standby {
   void Describe(v1::StandbyState& state) const;
   // A line for the log, once; "": none.
   std::string PopLine() { return std::exchange(line_, {}); }
+  // The same of what is wrong; the caller limits how often.
+  std::string PopComplaint() { return std::exchange(complaint_, {}); }
   const std::string& peer_address() const { return config_.peer; }
 
  private:
@@ -111,6 +119,7 @@ class Standby {
   static constexpr std::int64_t kAgain_ns = 10'000'000'000;
 
   Change Note(Change change);
+  void SayGoodbye();
   std::int64_t Now_ns() const { return clock_.base().Now_ns(); }
 
   const config::Standby config_;
@@ -135,9 +144,10 @@ class Standby {
   // The leader's clock minus this daemon's: the largest difference seen is that of the fastest
   // message.
   std::int64_t ahead_ns_ = 0, best_ahead_ns_ = 0;
-  bool timed_ = false;
+  std::int64_t window_ns_ = 0;  // since when the best is measured
+  bool timed_ = false, asked_ = false, has_part_ = false;
   std::set<std::string> awaited_;
-  std::string why_not_, line_;
+  std::string why_not_, line_, complaint_;
   std::uint64_t compared_ = 0, different_ = 0, fetched_ = 0, takeovers_ = 0;
 };
 

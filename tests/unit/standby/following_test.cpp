@@ -355,6 +355,61 @@ TEST_F(FollowingTest, WhoFallsSilentIsStaleAndForgottenAtBoth) {
             a_->Ask(status).status().stats().performers_size());
 }
 
+// Of performers who are away the standby knows the numbers, too: subscribers drop old ones.
+TEST_F(FollowingTest, WhoComesBackAfterATakeoverGoesOnWithLaterNumbers) {
+  Begin();
+  Wear(*a_, "style1", 0);
+  Frames(90);
+  for (int i = 0; i < 700; ++i) {  // away for so long that the leader forgets them
+    a_->clock.now_ns += 100'000'000;
+    Turn(1);
+  }
+  StartB();
+  ASSERT_TRUE(b_->State().ready()) << b_->State().why_not();
+  a_.reset();
+  Turn(300);
+  ASSERT_EQ(b_->State().role(), "leading");
+  Send(rig_.Body());
+  Frames(3);
+  ASSERT_FALSE(b_->publisher.frames.empty());
+  EXPECT_GT(b_->publisher.frames.front().sequence(), 90U);
+  EXPECT_EQ(b_->publisher.frames.front().epoch(), 5U);
+  EXPECT_EQ(b_->publisher.frames.front().styles(0).style(), "style1");
+}
+
+TEST_F(FollowingTest, NobodyWhoHasLeftComesBackWithATakeover) {
+  StartB();
+  Begin();
+  Frames(20);
+  for (int i = 0; i < 700; ++i) {
+    a_->clock.now_ns += 100'000'000;
+    b_->clock.now_ns += 100'000'000;
+    Turn(1);
+  }
+  a_.reset();
+  Turn(300);
+  ASSERT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(b_->counters.Get(runtime::Counter::kPipelinePerformers), 0U);
+}
+
+// Orders that the old leader has acknowledged are in its journal, and come first.
+TEST_F(FollowingTest, LeadTakesOverAfterTheLastOrderOfTheOldLeader) {
+  StartB();
+  Begin();
+  Frames(20);
+  Wear(*a_, "style4", 0);
+  auto on_the_way = std::exchange(wire_.to_b, {});
+  v1::Request lead;
+  lead.mutable_lead();
+  ASSERT_EQ(b_->Ask(lead).code(), v1::CODE_OK);
+  wire_.to_b = std::move(on_the_way);
+  Frames(20);
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(a_->State().role(), "following");
+  EXPECT_EQ(b_->publisher.frames.back().styles(0).style(), "style4");
+  EXPECT_EQ(Seen().size(), 40U);
+}
+
 // What the leader says decides nothing that this daemon would not accept of a rig; and it cannot
 // end it.
 TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {

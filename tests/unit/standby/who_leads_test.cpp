@@ -1,7 +1,7 @@
 // Who of two daemons leads: at the start, after silence, goodbye, restart and partition.
-#include "daemon/standby/roles.h"
-
 #include <gtest/gtest.h>
+
+#include "daemon/standby/roles.h"
 
 namespace styled::standby {
 namespace {
@@ -103,11 +103,38 @@ TEST_F(RolesTest, OfTwoThatStartedApartTheSmallerNumberStays) {
   EXPECT_EQ(b.OnPeer(Leading(5, a.term())), Change::kFollow);
 }
 
-TEST_F(RolesTest, AWishIsATakeover) {
+TEST_F(RolesTest, AWishIsSaidAndWaitsForTheGoodbye) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
-  EXPECT_EQ(roles.OnWish(), Change::kTakeOver);
-  EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone);  // it has not heard of it yet
+  roles.OnWish();
+  EXPECT_EQ(roles.said_role(), v1::ROLE_LEADING);
+  EXPECT_EQ(roles.said_term(), 4U);
+  EXPECT_EQ(roles.role(), v1::ROLE_FOLLOWING);
+  EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone) << "its journal goes on until it has heard";
+  EXPECT_EQ(roles.OnTime(1, true), Change::kNone);
+  EXPECT_EQ(roles.OnPeer({9, v1::ROLE_LEAVING, 4, false}), Change::kNone);
+  EXPECT_EQ(roles.OnTime(2, true), Change::kTakeOver);
+  EXPECT_EQ(roles.term(), 4U);
   EXPECT_EQ(roles.OnPeer({9, v1::ROLE_FOLLOWING, 4, false}), Change::kNone);
+}
+
+TEST_F(RolesTest, AWishOfWhichTheLeaderHearsNothingIsATakeoverAfterTheHold) {
+  EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
+  roles.OnWish();
+  EXPECT_EQ(Pass(roles, now_ns, 200), Change::kTakeOver);
+  EXPECT_EQ(roles.term(), 4U);
+}
+
+// A daemon that was started behind a network that was not up yet must not end a running show.
+TEST_F(RolesTest, OfTwoThatNeverHeardOfEachOtherTheLongerShowStays) {
+  Roles show(9, false, kHold), fresh(5, true, kHold);
+  std::int64_t show_ns = 0, fresh_ns = 0;
+  EXPECT_EQ(Pass(show, show_ns, 1100), Change::kLead);
+  Pass(show, show_ns, 70'000);
+  EXPECT_EQ(Pass(fresh, fresh_ns, 1100), Change::kLead);
+  Pass(fresh, fresh_ns, 10'000);
+  EXPECT_GT(show.term(), fresh.term());
+  EXPECT_EQ(show.OnPeer(Leading(5, fresh.term())), Change::kNone);
+  EXPECT_EQ(fresh.OnPeer(Leading(9, show.term())), Change::kFollow);
 }
 
 }  // namespace
