@@ -229,7 +229,7 @@ void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
 
 void Pipeline::RepeatBeginning(const v1::Journal& entry) {
   const v1::Beginning& beginning = entry.beginning();
-  for (const std::string& style : beginning.styles()) Import(style);
+  for (const std::string& style : beginning.styles()) ImportMissing(style);
   auto kept = ParseProfiles(beginning.settings(), "the leader's settings");
   roster_.Clear(entry.epoch());
   to_.standby->Begin(beginning, entry);
@@ -240,17 +240,18 @@ void Pipeline::RepeatBeginning(const v1::Journal& entry) {
   commands_.MarkChanged();
 }
 
-// A style that the leader has made and this daemon has not.
-void Pipeline::Import(const std::string& style) {
+// A style that the leader has made and this daemon perhaps has not.
+void Pipeline::ImportMissing(const std::string& style) {
   const auto parsed = ParseStyleFile(style, "a style of the leader's", roster_.config());
   if (!parsed.ok()) return to_.standby->Failed(parsed.status().message());
   const auto here = roster_.config().made.find(parsed.value().name);
-  if (here != roster_.config().made.end() &&
-      FormatStyleFile(*here->second, roster_.config()) == style) {
-    return;
-  }
+  const bool same = here != roster_.config().made.end() &&
+                    FormatStyleFile(*here->second, roster_.config()) == style;
   // Asked for twice, it would get a second place among the styles.
-  if (std::ranges::count(imports_, style) > 0) return;
+  if (!same && std::ranges::count(imports_, style) == 0) Import(style);
+}
+
+void Pipeline::Import(const std::string& style) {
   auto exchange = std::make_unique<Exchange>();
   exchange->request.mutable_import_style()->set_file(style);
   exchange->request.mutable_import_style()->set_replace(true);

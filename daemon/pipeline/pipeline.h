@@ -109,6 +109,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void RepeatBatch(const v1::Batch& batch, std::int64_t own_ns);
   void RepeatSilence(const v1::Silence& silence, std::int64_t own_ns);
   void RepeatRequest(const v1::Request& request);
+  void ImportMissing(const std::string& style);
   void Import(const std::string& style);
   bool RefusesOrders(Exchange& exchange);
   bool DoesLead(Exchange& exchange);

@@ -185,7 +185,10 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
 }
 
 bool Standby::TakeAsked() {
-  asked_ = channel_->TakeAsked() || asked_;
+  if (channel_->TakeAsked()) {
+    asked_ = timed_ = true;
+    heard_ns_ = Now_ns();  // it listens, although what it says may not come yet
+  }
   return leads() && std::exchange(asked_, false);
 }
 
