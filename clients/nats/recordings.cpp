@@ -132,6 +132,7 @@ Result<bool> Recordings::Create(const RecordingLimits& limits) {
     subjects.push_back(subjects.back() + ".body");
   }
   std::vector<const char*> texts;
+  texts.reserve(subjects.size());
   for (const std::string& subject : subjects) texts.push_back(subject.c_str());
   jsStreamConfig config;
   jsStreamConfig_Init(&config);
@@ -274,7 +275,7 @@ Status RecordingReader::Fetch(Part& part) {
 // Looks at the next message of a part.
 Status RecordingReader::Advance(Part& part) {
   if (part.at >= part.batch.Count) {
-    const Status status = Fetch(part);
+    Status status = Fetch(part);
     if (!status.ok()) return status;
   }
   part.sequence = 0;
