@@ -108,11 +108,6 @@ int Stages(Session& session, std::vector<std::string> endpoints) {
 }  // namespace
 
 void DeclareShowCommands(Session& session) {
-  const auto endpoints = std::make_shared<std::vector<std::string>>();
-  CLI::App* stages =
-      session.AddOnline("stages", "who leads and who follows, of several daemons",
-                        [&session, endpoints] { return Stages(session, *endpoints); });
-  stages->add_option("ENDPOINT", *endpoints, "control addresses (default: that of --endpoint)");
   session.AddOnline("list", "styles and presets", [&session] { return List(session); });
   const auto arguments = std::make_shared<StatusArguments>();
   CLI::App* status = session.AddOnline(
@@ -126,6 +121,11 @@ void DeclareShowCommands(Session& session) {
       ->default_str("1")
       ->check(Number(0.1, 3600.0));
   status->add_flag("--all", arguments->all_counters, "counters that are 0, too");
+  const auto endpoints = std::make_shared<std::vector<std::string>>();
+  CLI::App* stages =
+      session.AddOnline("stages", "who leads and who follows, of several daemons",
+                        [&session, endpoints] { return Stages(session, *endpoints); });
+  stages->add_option("ENDPOINT", *endpoints, "control addresses (default: that of --endpoint)");
 }
 
 }  // namespace styled::stylectl
