@@ -511,7 +511,8 @@ TEST_F(StylectlTest, APerformerConfiguredAheadIsNotSuggestedInItsOwnStead) {
 
 TEST_F(StylectlTest, AnUnknownCommandIsNamed) {
   EXPECT_EQ(Run({"dance"}), kExitUsage);
-  EXPECT_TRUE(Complains("'dance' is no command; expected one of list, status, set")) << err_.str();
+  EXPECT_TRUE(Complains("'dance' is no command; expected one of list, status, stages"))
+      << err_.str();
 }
 
 TEST_F(StylectlTest, AMisspeltCommandOrOptionIsAnsweredWithTheNearestOne) {
