@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "proto/styled/timecode_message.h"
+
 namespace styled::publish {
 
 FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
@@ -47,13 +49,7 @@ void FrameMessage::SetHeader(const FrameHeader& header, std::uint32_t flags) noe
   if (!frame_.has_timecode()) {
     frame_.unsafe_arena_set_allocated_timecode(spare_timecode_.release());
   }
-  v1::Timecode& timecode = *frame_.mutable_timecode();
-  timecode.set_hours(header.timecode.hours);
-  timecode.set_minutes(header.timecode.minutes);
-  timecode.set_seconds(header.timecode.seconds);
-  timecode.set_frames(header.timecode.frames);
-  timecode.set_rate(header.timecode.rate);
-  timecode.set_drop_frame(header.timecode.drop_frame);
+  WriteTimecode(header.timecode, *frame_.mutable_timecode());
 }
 
 void FrameMessage::SetStyles(std::span<const net::StyleWeight> in_force) noexcept {

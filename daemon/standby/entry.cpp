@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "proto/styled/timecode_message.h"
+
 namespace styled::standby {
 namespace {
 
@@ -32,15 +34,7 @@ void Write(const source::SourceFrame& frame, const Outcome& outcome, v1::Handled
     return;
   }
   entry.set_source_time_ns(frame.source_time_ns);
-  if (frame.has_timecode) {
-    v1::Timecode& to = *entry.mutable_timecode();
-    to.set_hours(frame.timecode.hours);
-    to.set_minutes(frame.timecode.minutes);
-    to.set_seconds(frame.timecode.seconds);
-    to.set_frames(frame.timecode.frames);
-    to.set_rate(frame.timecode.rate);
-    to.set_drop_frame(frame.timecode.drop_frame);
-  }
+  if (frame.has_timecode) WriteTimecode(frame.timecode, *entry.mutable_timecode());
   *entry.mutable_root_position() = Text(frame.root_position);
   *entry.mutable_rotations() = Text(frame.rotations);
   *entry.mutable_face() = Text(frame.face);
