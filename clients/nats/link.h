@@ -14,6 +14,15 @@
 
 namespace styled::stylenats {
 
+// Deletes what libnats has made, for std::unique_ptr: each of its types has a function of its own.
+template <auto kDestroy>
+struct Destroys {
+  template <typename T>
+  void operator()(T* object) const {
+    kDestroy(object);
+  }
+};
+
 // What happened to the connection.
 struct LinkEvent {
   enum class Kind {

@@ -17,8 +17,8 @@ using Steady = std::chrono::steady_clock;
 constexpr std::int64_t kWaitForApi_ms = 3000;
 constexpr milliseconds kRefusalComes(3000);  // a broker's second refusal of the login
 constexpr milliseconds kLookAgain(50);
-// One request asks for no more than a quarter of hub.conf's max_pending, 8 MB: a broker closes the
-// connection of one to whom more waits. Over a way of 50 ms that is up to 40 MB/s.
+// One request asks for a quarter of hub.conf's max_pending, 8 MB, at most: the broker closes a
+// connection for which more bytes wait. With a latency of 50 ms that is up to 40 MB/s.
 constexpr int kBatchMessages = 2000;
 constexpr std::int64_t kBatchBytes = std::int64_t{2} << 20U;
 constexpr std::int64_t kBatchWait_ns = 2'000'000'000;
@@ -31,13 +31,6 @@ constexpr std::string_view kEverybody = "styled.*.*.";
 // oldest, and no bridge sends ids by which it would know.
 constexpr std::int64_t kUnused_ns = 100'000'000;
 
-template <auto kDestroy>
-struct Destroys {
-  template <typename T>
-  void operator()(T* object) const {
-    kDestroy(object);
-  }
-};
 using StreamInfo = std::unique_ptr<jsStreamInfo, Destroys<jsStreamInfo_Destroy>>;
 using MetaData = std::unique_ptr<jsMsgMetaData, Destroys<jsMsgMetaData_Destroy>>;
 

@@ -15,17 +15,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::int64_t kBrokersAnswer_ms = 1000;  // for one request; longer would delay the end
 constexpr std::chrono::milliseconds kReadAgain(500);
 
-template <auto kDestroy>
-struct Destroyer {
-  template <typename T>
-  void operator()(T* object) const {
-    kDestroy(object);
-  }
-};
-using JetStream = std::unique_ptr<jsCtx, Destroyer<jsCtx_Destroy>>;
-using StreamInfo = std::unique_ptr<jsStreamInfo, Destroyer<jsStreamInfo_Destroy>>;
-using Answers = std::unique_ptr<natsSubscription, Destroyer<natsSubscription_Destroy>>;
-using Message = std::unique_ptr<natsMsg, Destroyer<natsMsg_Destroy>>;
+using JetStream = std::unique_ptr<jsCtx, Destroys<jsCtx_Destroy>>;
+using StreamInfo = std::unique_ptr<jsStreamInfo, Destroys<jsStreamInfo_Destroy>>;
+using Answers = std::unique_ptr<natsSubscription, Destroys<natsSubscription_Destroy>>;
+using Message = std::unique_ptr<natsMsg, Destroys<natsMsg_Destroy>>;
 
 const std::string kStream = "KV_" + std::string(kBucket);
 const std::string kKeys = "$KV." + std::string(kBucket) + ".";  // in front of the key
@@ -147,7 +140,7 @@ bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
   return true;
 }
 
-// Hands over a value, or that it was removed. Its number; 0: there is none.
+// Reports a value, or its removal. Returns its sequence number in the stream; 0: no value came.
 std::uint64_t Values::Take(natsMsg* message) {
   const std::string_view subject = Header(message, "Nats-Subject");
   const std::string_view number = Header(message, "Nats-Sequence");
