@@ -84,7 +84,7 @@ class RecordingReader {
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
-  // The next message; false: there is none at this time.
+  // Gives the next message; false while there is none.
   Result<bool> Next(Recorded& out);
 
  private:
@@ -94,7 +94,7 @@ class RecordingReader {
     natsSubscription* subscription = nullptr;
     natsMsgList batch{};
     int at = 0;                  // the next of the batch
-    std::uint64_t sequence = 0;  // in the stream, of the next; 0: there is none
+    std::uint64_t sequence = 0;  // of the next message in the stream; 0: no message
     std::uint64_t last = 0;      // of the last that came
     std::uint64_t pending = 0;   // behind the batch's last, so far as is known
     std::int64_t time_ns = 0;

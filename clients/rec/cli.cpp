@@ -226,7 +226,7 @@ void Program::DeclareJetStream() {
   command
       ->add_option(
           "ACTION", a_.action,
-          "create: begin, or change streams and limits; status: what is recorded, of whom; "
+          "create: begin to record, or change streams and limits; status: what is recorded; "
           "delete: end it, and delete all of it")
       ->required()
       ->type_name("TEXT:{create,status,delete}")

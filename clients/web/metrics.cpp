@@ -218,7 +218,7 @@ void WriteStandby(const v1::StandbyState& standby, Text& text) {
   text.One("styled_standby_different_frames_total", "counter",
            "those of them that came out otherwise", std::to_string(standby.different()));
   text.One("styled_standby_without_input_performers", "gauge",
-           "performers whom the leader has and whose frames do not reach this daemon",
+           "performers of the leader whose frames do not reach this daemon",
            std::to_string(standby.without_input_size()));
 }
 

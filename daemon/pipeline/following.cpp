@@ -54,7 +54,7 @@ void Pipeline::OnChange(Change change) {
   silence_.Clear();
   if (change == Change::kFollow) return standby.publisher().Hold();
   standby.held().Expire(roster_.source_names(), to_.clock.Now_ns());
-  // A part of the leader's state is better than none: whom it has goes on, in the same epoch.
+  // With a part of the leader's state, those performers go on, in the same epoch.
   const bool goes_on = change == Change::kTakeOver || standby.has_part();
   standby.publisher().Release(goes_on);
   goes_on ? GoOn() : FeedBodies(true);
@@ -155,7 +155,7 @@ int Pipeline::SendState() {
   }
   v1::Checkpoint& checkpoint = *standby.NewEntry().mutable_checkpoint();
   if (unsent_.front() == kSequences) checkpoint.set_sequence(roster_.FirstSequence());
-  // Of one who is gone, or waits for a calibration, there is only the name.
+  // A performer who is gone, or waits for a calibration, has no checkpoint: the name alone is sent.
   if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
   checkpoint.set_performer(unsent_.front());
   unsent_.pop_front();

@@ -20,7 +20,7 @@ std::int64_t Pipeline::NextDeadline_ns() const {
     next_ns = std::min(next_ns, transport->NextDeadline_ns());
   }
   if (to_.standby != nullptr) next_ns = std::min(next_ns, to_.standby->NextDeadline_ns());
-  if (!leads()) return next_ns;  // the leader decides who is silent
+  if (!leads()) return next_ns;  // silence is the leader's decision
   for (const auto& performer : roster_.performers) {
     const auto& limits = roster_.config().performers;
     const std::int64_t silent_ns =
