@@ -141,7 +141,6 @@ Result<std::unique_ptr<Link>> Link::Open(const LinkOptions& options) {
   set(natsOptions_SetReconnectBufSize(raw, kReconnectBuffer));
   set(natsOptions_SetFailRequestsOnDisconnect(raw, true));
   set(natsOptions_SetWriteDeadline(raw, kWriteDeadline_ms));
-  set(natsOptions_SetSendAsap(raw, true));
   if (options.shared_thread) set(natsOptions_UseGlobalMessageDelivery(raw, true));
   if (!options.user.empty()) {
     set(natsOptions_SetUserInfo(raw, options.user.c_str(), options.password.c_str()));
