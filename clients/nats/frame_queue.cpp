@@ -12,62 +12,62 @@ FrameQueue::Slot* FrameQueue::Find(std::string_view performer, std::string_view 
   if (const auto known = slots_.find(key); known != slots_.end()) return &known->second;
   if (slots_.size() >= limits_.slots) {
     const auto free = std::find_if(slots_.begin(), slots_.end(), [&](const auto& row) {
-      return !row.second.waits && now - row.second.used >= limits_.idle;
+      return row.second.waiting.empty() && now - row.second.used >= limits_.idle;
     });
     if (free == slots_.end()) return nullptr;
     slots_.erase(free);
   }
   Slot& slot = slots_[key];
-  slot.frame.subject =
+  slot.subject =
       body ? BodySubject(site_, performer, stream) : FrameSubject(site_, performer, stream);
-  slot.frame.body = body;
+  slot.body = body;
   return &slot;
 }
 
-FrameQueue::Slot* FrameQueue::Fill(std::string_view performer, std::string_view stream, bool body,
-                                   std::string_view payload, Clock::time_point now) {
-  ++counts_.pushed;
-  Slot* const slot = Find(performer, stream, body, now);
-  const std::size_t freed = slot != nullptr && slot->waits ? slot->frame.payload.size() : 0;
-  if (slot == nullptr || bytes_ - freed + payload.size() > limits_.bytes) {
-    ++counts_.refused;
-    return nullptr;
-  }
-  bytes_ += payload.size() - freed;
-  slot->frame.payload.assign(payload);
-  slot->used = now;
-  return slot;
+void FrameQueue::DropOldest(Slot& slot) {
+  bytes_ -= slot.waiting.front().payload.size();
+  slot.bytes -= slot.waiting.front().payload.size();
+  slot.waiting.pop_front();
+  order_.erase(std::find(order_.begin(), order_.end(), &slot));
+  // A body that gives way to the next second's is no loss.
+  slot.replaced += slot.body ? 0 : 1;
+  counts_.replaced += slot.body ? 0 : 1;
 }
 
-FrameQueue::Pushed FrameQueue::Queue(Slot& slot) {
-  if (slot.waits) {
-    // A body that gives way to the next second's is no loss.
-    slot.replaced += slot.frame.body ? 0 : 1;
-    counts_.replaced += slot.frame.body ? 0 : 1;
-    return Pushed::kReplaced;
+FrameQueue::Pushed FrameQueue::Add(std::string_view performer, std::string_view stream, bool body,
+                                   Waiting message, Clock::time_point now) {
+  const std::scoped_lock lock(mutex_);
+  ++counts_.pushed;
+  Slot* const slot = Find(performer, stream, body, now);
+  const std::size_t size = message.payload.size();
+  if (slot == nullptr || bytes_ - slot->bytes + size > limits_.bytes) {
+    ++counts_.refused;
+    return Pushed::kRefused;
   }
-  slot.waits = true;
-  order_.push_back(&slot);
+  const std::size_t depth = body ? 1 : limits_.depth;
+  Pushed pushed = Pushed::kQueued;
+  while (slot->waiting.size() >= depth || bytes_ + size > limits_.bytes) {
+    DropOldest(*slot);
+    pushed = Pushed::kReplaced;
+  }
+  bytes_ += size;
+  slot->bytes += size;
+  slot->used = now;
+  slot->waiting.push_back(std::move(message));
+  order_.push_back(slot);
   wake_.notify_one();
-  return Pushed::kQueued;
+  return pushed;
 }
 
 FrameQueue::Pushed FrameQueue::Push(std::string_view performer, std::string_view stream,
                                     std::string_view payload, std::uint64_t epoch,
                                     std::uint64_t sequence, Clock::time_point now) {
-  const std::scoped_lock lock(mutex_);
-  Slot* const slot = Fill(performer, stream, false, payload, now);
-  if (slot == nullptr) return Pushed::kRefused;
-  slot->frame.epoch = epoch;
-  slot->frame.sequence = sequence;
-  return Queue(*slot);
+  return Add(performer, stream, false, {std::string(payload), epoch, sequence}, now);
 }
 
 FrameQueue::Pushed FrameQueue::PushBody(std::string_view performer, std::string_view stream,
                                         std::string_view payload, Clock::time_point now) {
-  const std::scoped_lock lock(mutex_);
-  Slot* const slot = Fill(performer, stream, true, payload, now);
-  return slot == nullptr ? Pushed::kRefused : Queue(*slot);
+  return Add(performer, stream, true, {std::string(payload)}, now);
 }
 
 bool FrameQueue::Take(QueuedFrame& out, const std::stop_token& stop,
@@ -76,13 +76,15 @@ bool FrameQueue::Take(QueuedFrame& out, const std::stop_token& stop,
   if (!wake_.wait_for(lock, stop, timeout, [this] { return !order_.empty(); })) return false;
   Slot& slot = *order_.front();
   order_.pop_front();
-  slot.waits = false;
-  bytes_ -= slot.frame.payload.size();
-  out.subject = slot.frame.subject;
-  out.body = slot.frame.body;
-  out.epoch = slot.frame.epoch;
-  out.sequence = slot.frame.sequence;
-  out.payload = std::exchange(slot.frame.payload, {});
+  Waiting& message = slot.waiting.front();
+  bytes_ -= message.payload.size();
+  slot.bytes -= message.payload.size();
+  out.subject = slot.subject;
+  out.body = slot.body;
+  out.epoch = message.epoch;
+  out.sequence = message.sequence;
+  out.payload = std::move(message.payload);
+  slot.waiting.pop_front();
   return true;
 }
 
@@ -101,7 +103,7 @@ std::vector<std::pair<std::string, std::uint64_t>> FrameQueue::replaced() const 
   {
     const std::scoped_lock lock(mutex_);
     for (const auto& [key, slot] : slots_) {
-      if (slot.replaced > 0) rows.emplace_back(slot.frame.subject, slot.replaced);
+      if (slot.replaced > 0) rows.emplace_back(slot.subject, slot.replaced);
     }
   }
   std::stable_sort(rows.begin(), rows.end(),

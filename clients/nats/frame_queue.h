@@ -25,9 +25,10 @@ struct QueuedFrame {
 };
 
 // Between the thread that reads ZeroMQ and the one that publishes, which may stand still for
-// seconds. It has a slot for each performer and stream, and one for the body of each. A slot holds
-// at most one message, the newest: what still waits when the next one comes is replaced at its
-// place and counted.
+// seconds. It has a slot for each performer and stream, and one for the body of each. In a slot the
+// newest few frames wait, of a body the newest alone: where it is full, the oldest gives way to the
+// one that comes, and is counted. Messages go out in the order in which they came, so a body goes
+// before the frames that need it.
 //
 // Bounded whatever the daemon's names do: by slots and by bytes. When all slots are taken, a slot
 // that was not used for `idle` is given to the new stream; while all are in use, the frame is
@@ -43,6 +44,9 @@ class FrameQueue {
     // Of all waiting frames. 16 performers with four streams of 3 kB need 192 kB.
     std::size_t bytes = std::size_t{64} << 20U;
     std::chrono::nanoseconds idle = std::chrono::seconds(10);
+    // Frames of a slot. Four are 33 ms at 120 Hz: a virtual machine that stands still for 10 to
+    // 30 ms loses none, and what is shown is hardly late.
+    std::size_t depth = 4;
   };
   enum class Pushed { kQueued, kReplaced, kRefused };
   struct Counts {
@@ -59,7 +63,7 @@ class FrameQueue {
   Pushed PushBody(std::string_view performer, std::string_view stream, std::string_view payload,
                   Clock::time_point now = Clock::now());
 
-  // Waits for a frame and removes the one that has waited longest. False when `stop` is requested
+  // Waits for a message and removes the one that has waited longest. False when `stop` is requested
   // and nothing waits, or after `timeout`.
   bool Take(QueuedFrame& out, const std::stop_token& stop, std::chrono::milliseconds timeout);
 
@@ -70,25 +74,30 @@ class FrameQueue {
   std::vector<std::pair<std::string, std::uint64_t>> replaced() const;
 
  private:
+  struct Waiting {
+    std::string payload;
+    std::uint64_t epoch = 0, sequence = 0;
+  };
   struct Slot {
-    QueuedFrame frame;
-    bool waits = false;
+    std::string subject;
+    bool body = false;
+    std::deque<Waiting> waiting;
+    std::size_t bytes = 0;  // of those
     std::uint64_t replaced = 0;
     Clock::time_point used;
   };
   using Key = std::tuple<std::string, std::string, bool>;  // performer, stream, whether a body
   Slot* Find(std::string_view performer, std::string_view stream, bool body, Clock::time_point now);
-  // Null: there is no room.
-  Slot* Fill(std::string_view performer, std::string_view stream, bool body,
-             std::string_view payload, Clock::time_point now);
-  Pushed Queue(Slot& slot);
+  void DropOldest(Slot& slot);
+  Pushed Add(std::string_view performer, std::string_view stream, bool body, Waiting message,
+             Clock::time_point now);
 
   const std::string site_;
   const Limits limits_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
   std::map<Key, Slot, std::less<>> slots_;  // its nodes do not move
-  std::deque<Slot*> order_;                 // those that wait
+  std::deque<Slot*> order_;                 // one entry for each message that waits
   std::size_t bytes_ = 0;                   // of those that wait
   Counts counts_;
 };

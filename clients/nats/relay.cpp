@@ -14,6 +14,7 @@
 
 #include "clients/cpp/reach.h"
 #include "clients/nats/bridge.h"
+#include "clients/nats/frame_queue.h"
 #include "clients/nats/subject.h"
 #include "model/base/descriptor.h"
 #include "proto/styled/v1/control.pb.h"
@@ -27,6 +28,8 @@ using std::chrono::milliseconds;
 
 // Streams of which a frame may wait here: 16 performers with 8 streams each, many times over.
 constexpr std::size_t kMaxStreams = 4096;
+// Frames of a stream: what comes late comes together, and is passed on together.
+constexpr std::size_t kDepth = FrameQueue::Limits().depth;
 constexpr std::size_t kMaxValues = 8192;
 // Of frames that wait, and of values: as stylenats itself has them.
 constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
@@ -68,12 +71,12 @@ Status Listen(zmq::socket_t& socket, const std::string& option, const std::strin
 
 }  // namespace
 
-// What libnats' threads hand over. Of each stream the newest frame waits.
+// What libnats' threads hand over. Of each stream the newest few frames wait, as in FrameQueue.
 struct Relay::Inbox {
   std::mutex mutex;
   Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
-  std::map<std::string, std::string> frames;  // by subject
-  std::deque<std::string> order;              // of their arrival
+  std::map<std::string, std::deque<std::string>> frames;  // by subject
+  std::deque<std::string> order;                          // of their arrival: a subject for each
   std::size_t frame_bytes = 0;
   std::deque<std::pair<std::string, std::optional<std::string>>> values;
   struct Reply {
@@ -94,17 +97,19 @@ struct Relay::Inbox {
   void AddFrame(const std::string& subject, std::string bytes) {
     const std::scoped_lock lock(mutex);
     const auto known = frames.find(subject);
-    const std::size_t freed = known == frames.end() ? 0 : known->second.size();
-    const bool full = (known == frames.end() && frames.size() >= kMaxStreams) ||
-                      frame_bytes - freed + bytes.size() > kMaxBytes;
-    if (known != frames.end() || full) ++replaced;
-    if (full) return;
+    const bool full = known != frames.end() && known->second.size() >= kDepth;
+    const std::size_t freed = full ? known->second.front().size() : 0;
+    const bool refused = (known == frames.end() && frames.size() >= kMaxStreams) ||
+                         frame_bytes - freed + bytes.size() > kMaxBytes;
+    if (full || refused) ++replaced;
+    if (refused) return;
     frame_bytes += bytes.size() - freed;
-    if (known != frames.end()) {
-      known->second = std::move(bytes);
+    std::deque<std::string>& waiting = frames[subject];
+    waiting.push_back(std::move(bytes));
+    if (full) {
+      waiting.pop_front();
       return;
     }
-    frames.emplace(subject, std::move(bytes));
     order.push_back(subject);
     Wake();
   }
@@ -184,13 +189,13 @@ Result<std::unique_ptr<Relay>> Relay::Open(const RelayOptions& options) {
 Status Relay::Bind() {
   for (const auto& [option, endpoint] :
        {std::pair{"--publish", &options_.publish}, {"--control", &options_.control}}) {
-    if (const Status status = CheckLocal(option, *endpoint); !status.ok()) return status;
+    if (Status status = CheckLocal(option, *endpoint); !status.ok()) return status;
   }
   publisher_ = zmq::socket_t(context_, zmq::socket_type::xpub);
   control_ = zmq::socket_t(context_, zmq::socket_type::router);
   // Each subscriber gets the bodies at once, also the second one of a topic.
   publisher_.set(zmq::sockopt::xpub_verbose, true);
-  const Status status = Listen(publisher_, "--publish", options_.publish);
+  Status status = Listen(publisher_, "--publish", options_.publish);
   return status.ok() ? Listen(control_, "--control", options_.control) : status;
 }
 
@@ -259,7 +264,7 @@ void Relay::Follow() {
 
 void Relay::TakeFrames() {
   std::deque<std::string> order;
-  std::map<std::string, std::string> frames;
+  std::map<std::string, std::deque<std::string>> frames;
   {
     const std::scoped_lock lock(inbox_->mutex);
     order.swap(inbox_->order);
@@ -267,12 +272,15 @@ void Relay::TakeFrames() {
     inbox_->frame_bytes = 0;
   }
   for (const std::string& subject : order) {
+    std::deque<std::string>& waiting = frames[subject];
+    const std::string frame = std::move(waiting.front());
+    waiting.pop_front();
     const std::string topic = TopicOf(subject);
     if (topic.empty()) {
       if (!subject.ends_with(kAudienceStream)) ++totals_.odd;
       continue;
     }
-    Send(topic, frames[subject]);
+    Send(topic, frame);
     ++totals_.passed;
   }
 }

@@ -36,7 +36,7 @@ TEST(FrameQueue, RefusesANewStreamWhileAllSlotsAreInUse) {
 }
 
 TEST(FrameQueue, RefusesWhatExceedsItsBytes) {
-  FrameQueue queue("s", {.slots = 10, .bytes = 10, .idle = 10s});
+  FrameQueue queue("s", {.slots = 10, .bytes = 10, .idle = 10s, .depth = 1});
   EXPECT_EQ(queue.Push("a.a", "rig", "12345678", 1, 1, kStart), Pushed::kQueued);
   EXPECT_EQ(queue.Push("a.b", "rig", "123", 1, 1, kStart), Pushed::kRefused);
   EXPECT_EQ(queue.Push("a.a", "rig", "1234567890", 1, 2, kStart), Pushed::kReplaced);
@@ -61,26 +61,42 @@ TEST(FrameQueue, StaysBoundedWhileNamesAreMadeUp) {
   EXPECT_LT(counts.refused, 20000U - 64U) << "idle slots are used again";
 }
 
-TEST(FrameQueue, TheNewestWinsAtItsPlace) {
+// A machine that stands still for a moment loses none.
+TEST(FrameQueue, AFewFramesOfAStreamWaitInOrder) {
   FrameQueue queue("s");
+  queue.Push("a.a", "rig", "1", 7, 1);
+  queue.Push("a.b", "rig", "b", 7, 1);
+  for (int i = 2; i <= 6; ++i) {
+    EXPECT_EQ(queue.Push("a.a", "rig", std::to_string(i), 7, static_cast<std::uint64_t>(i)),
+              i <= 4 ? Pushed::kQueued : Pushed::kReplaced);
+  }
+  EXPECT_EQ(queue.waiting(), 5U);
+  std::string came;
+  while (const auto frame = Next(queue)) came += frame->payload;
+  EXPECT_EQ(came, "b3456") << "the oldest gave way";
+  EXPECT_EQ(queue.counts().replaced, 2U);
+}
+
+TEST(FrameQueue, TheNewestWinsAndComesInItsTurn) {
+  FrameQueue queue("s", {.depth = 1});
   queue.Push("a.a", "rig", "a1", 7, 1);
   queue.Push("a.b", "rig", "b1", 7, 1);
   EXPECT_EQ(queue.Push("a.a", "rig", "a2", 7, 2), Pushed::kReplaced);
   EXPECT_EQ(queue.Push("a.a", "canonical", "c2", 7, 2), Pushed::kQueued) << "another stream";
   const auto first = Next(queue), second = Next(queue), third = Next(queue);
-  EXPECT_EQ(first->subject, "styled.s.a=2Ea.rig");
-  EXPECT_EQ(first->payload, "a2");
-  EXPECT_EQ(first->epoch, 7U);
-  EXPECT_EQ(first->sequence, 2U);
-  EXPECT_EQ(second->payload, "b1");
+  EXPECT_EQ(first->payload, "b1");
+  EXPECT_EQ(second->subject, "styled.s.a=2Ea.rig");
+  EXPECT_EQ(second->payload, "a2");
+  EXPECT_EQ(second->epoch, 7U);
+  EXPECT_EQ(second->sequence, 2U);
   EXPECT_EQ(third->payload, "c2");
   EXPECT_FALSE(Next(queue));
   EXPECT_THAT(queue.replaced(), testing::ElementsAre(testing::Pair("styled.s.a=2Ea.rig", 1U)));
 }
 
 // A seeded order of pushes and takes against the plain statement of what is to come out.
-TEST(FrameQueue, GivesEachStreamsNewestInTheOrderOfTheFirstWaiting) {
-  FrameQueue queue("s");
+TEST(FrameQueue, GivesEachStreamsNewestInTheOrderInWhichTheyCame) {
+  FrameQueue queue("s", {.depth = 1});
   std::mt19937 random(4);
   std::vector<std::pair<std::string, std::uint64_t>> model;  // performer, its newest sequence
   std::map<std::string, std::uint64_t> sequences, sent;
@@ -92,12 +108,11 @@ TEST(FrameQueue, GivesEachStreamsNewestInTheOrderOfTheFirstWaiting) {
       queue.Push(performer, "rig", performer + "/" + std::to_string(sequence), 1, sequence);
       const auto waiting = std::find_if(model.begin(), model.end(),
                                         [&](const auto& row) { return row.first == performer; });
-      if (waiting == model.end()) {
-        model.emplace_back(performer, sequence);
-      } else {
-        waiting->second = sequence;
+      if (waiting != model.end()) {
+        model.erase(waiting);
         ++replaced;
       }
+      model.emplace_back(performer, sequence);
     } else {
       const auto frame = Next(queue);
       ASSERT_EQ(frame.has_value(), !model.empty());
@@ -151,8 +166,8 @@ TEST(AudienceTier, IsBounded) {
 TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
   FrameQueue queue("hall.1");
   EXPECT_EQ(queue.PushBody("rig.a", "canonical", "body"), Pushed::kQueued);
-  EXPECT_EQ(queue.Push("rig.a", "canonical", "frame", 1, 2), Pushed::kQueued);
   EXPECT_EQ(queue.PushBody("rig.a", "canonical", "newer"), Pushed::kReplaced);
+  EXPECT_EQ(queue.Push("rig.a", "canonical", "frame", 1, 2), Pushed::kQueued);
   EXPECT_EQ(queue.counts().replaced, 0U) << "only frames are lost";
   const auto body = Next(queue), frame = Next(queue);
   ASSERT_TRUE(body && frame);
@@ -161,6 +176,28 @@ TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
   EXPECT_TRUE(body->body);
   EXPECT_EQ(frame->subject, "styled.hall=2E1.rig=2Ea.canonical");
   EXPECT_FALSE(frame->body);
+}
+
+// A frame must not overtake the body that it needs, whatever gives way.
+TEST(FrameQueue, AFrameComesBehindItsBodyWhenOlderOnesGiveWay) {
+  FrameQueue queue("s");
+  for (int i = 1; i <= 4; ++i) queue.Push("a.a", "rig", "f" + std::to_string(i), 1, 1);
+  queue.PushBody("a.a", "rig", "body");
+  queue.Push("a.a", "rig", "f5", 1, 5);
+  std::string came;
+  while (const auto message = Next(queue)) came += message->payload + " ";
+  EXPECT_EQ(came, "f2 f3 f4 body f5 ");
+}
+
+TEST(FrameQueue, AStreamsOwnFramesGiveWayWhereThereIsNoRoom) {
+  FrameQueue queue("s", {.slots = 10, .bytes = 10, .idle = 10s});
+  EXPECT_EQ(queue.Push("a.a", "rig", "123", 1, 1, kStart), Pushed::kQueued);
+  EXPECT_EQ(queue.Push("a.b", "rig", "456", 1, 1, kStart), Pushed::kQueued);
+  EXPECT_EQ(queue.Push("a.a", "rig", "789", 1, 2, kStart), Pushed::kQueued);
+  EXPECT_EQ(queue.Push("a.a", "rig", "abcdef", 1, 3, kStart), Pushed::kReplaced);
+  EXPECT_EQ(queue.counts().replaced, 2U);
+  EXPECT_EQ(Next(queue)->payload, "456");
+  EXPECT_EQ(Next(queue)->payload, "abcdef");
 }
 
 TEST(BodyBeat, IsDueAtFirstOnChangeAndOnceASecond) {
