@@ -1,5 +1,7 @@
 #include "model/net/kernels/kernel.h"
 
+#include <algorithm>
+
 // Targets with scalable vectors are disabled: such vectors cannot be stored in arrays.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -14,6 +16,10 @@
 #else
 #define STYLED_KEEP_IN_REGISTER(vector) static_cast<void>(0)
 #endif
+
+// AVX512-BF16 is written in the targets with 512 bits.
+#undef STYLED_HAS_PAIRS
+#define STYLED_HAS_PAIRS (HWY_ARCH_X86 && !HWY_COMPILER_MSVC && HWY_TARGET <= HWY_AVX3)
 
 HWY_BEFORE_NAMESPACE();
 namespace styled::net {
@@ -33,8 +39,23 @@ constexpr bool kManyRegisters = kLanes == 16;  // AVX-512 has 32
 // so that an input gives the same bits alone or in a batch.
 constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors) : 1; }
 
+// Columns of float32 that a column of a packed matrix holds.
+constexpr int Together(Precision precision) { return precision == Precision::kBfloat16 ? 2 : 1; }
+
+// sum + weight factor; of pairs of bfloat16, both products of each.
+template <Precision kPrecision>
+HWY_INLINE V MultiplyAdd(V weight, V factor, V sum) {
+#if STYLED_HAS_PAIRS
+  if constexpr (kPrecision == Precision::kBfloat16) {
+    asm("vdpbf16ps %2, %1, %0" : "+v"(sum.raw) : "v"(weight.raw), "v"(factor.raw));
+    return sum;
+  }
+#endif
+  return hn::MulAdd(weight, factor, sum);
+}
+
 // Adds one column of a product: sum[i] += W[:, column] x[i], for `Vectors` vectors from First on.
-template <int Inputs, int First, int Vectors>
+template <Precision kPrecision, int Inputs, int First, int Vectors>
 HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t panel_stride,
                                  const std::array<const float*, Inputs>& x, int column,
                                  V (&sum)[Inputs][Vectors]) {
@@ -53,12 +74,14 @@ HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t 
       if (v * kLanes % 16 == 0) hwy::Prefetch(from + 4 * kPanelRows);
     }
     HWY_UNROLL(4)
-    for (int i = 0; i < Inputs; ++i) sum[i][k] = hn::MulAdd(weight, factor[i], sum[i][k]);
+    for (int i = 0; i < Inputs; ++i) {
+      sum[i][k] = MultiplyAdd<kPrecision>(weight, factor[i], sum[i][k]);
+    }
   }
 }
 
 // sum[i] += W x[i] for `Vectors` vectors of rows, from vector First on.
-template <int Inputs, int First, int Vectors, int kSets>
+template <Precision kPrecision, int Inputs, int First, int Vectors, int kSets>
 HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_stride, int columns,
                            const std::array<const float*, Inputs>& x, V (&sum)[Inputs][Vectors]) {
   V set[kSets][Inputs][Vectors];
@@ -74,12 +97,13 @@ HWY_INLINE void Accumulate(const float* HWY_RESTRICT weights, std::size_t panel_
   for (; column + kSets <= columns; column += kSets) {
     HWY_UNROLL(8)
     for (int s = 0; s < kSets; ++s) {
-      AccumulateColumn<Inputs, First, Vectors>(weights, panel_stride, x, column + s, set[s]);
+      AccumulateColumn<kPrecision, Inputs, First, Vectors>(weights, panel_stride, x, column + s,
+                                                           set[s]);
       weights += kPanelRows;
     }
   }
   for (; column < columns; ++column) {
-    AccumulateColumn<Inputs, First, Vectors>(weights, panel_stride, x, column, set[0]);
+    AccumulateColumn<kPrecision, Inputs, First, Vectors>(weights, panel_stride, x, column, set[0]);
     weights += kPanelRows;
   }
   HWY_UNROLL(4)
@@ -104,7 +128,7 @@ constexpr int VectorsAtATime(int vectors) {
 }
 
 // y = max(W x + bias, least) for the vectors First .. All - 1, as many at a time as fit.
-template <int Inputs, int All, int First>
+template <Precision kPrecision, int Inputs, int All, int First>
 HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, int columns, int row,
                               const std::array<const float*, Inputs>& x, const Operands* inputs,
                               V least) {
@@ -115,7 +139,7 @@ HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, in
     HWY_UNROLL(32)
     for (int v = 0; v < kSome; ++v) sum[i][v] = hn::Zero(d);
   }
-  Accumulate<Inputs, First, kSome, Sets(All)>(weights, panel_stride, columns, x, sum);
+  Accumulate<kPrecision, Inputs, First, kSome, Sets(All)>(weights, panel_stride, columns, x, sum);
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(32)
@@ -128,12 +152,12 @@ HWY_INLINE void AffineVectors(const float* weights, std::size_t panel_stride, in
     }
   }
   if constexpr (First + kSome < All) {
-    AffineVectors<Inputs, All, First + kSome>(weights, panel_stride, columns, row, x, inputs,
-                                              least);
+    AffineVectors<kPrecision, Inputs, All, First + kSome>(weights, panel_stride, columns, row, x,
+                                                          inputs, least);
   }
 }
 
-template <int Panels, int Inputs>
+template <Precision kPrecision, int Panels, int Inputs>
 HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const Operands* inputs,
                              bool relu) {
   std::array<const float*, Inputs> x;
@@ -141,47 +165,55 @@ HWY_INLINE void AffinePanels(const float* weights, int panel, int columns, const
   for (int i = 0; i < Inputs; ++i) x[i] = inputs[i].x;
   const std::size_t panel_stride = static_cast<std::size_t>(columns) * kPanelRows;
   const V least = hn::Set(d, relu ? 0.0F : hwy::LowestValue<float>());
-  AffineVectors<Inputs, Panels * kVectors, 0>(weights + panel * panel_stride, panel_stride, columns,
-                                              panel * kPanelRows, x, inputs, least);
+  AffineVectors<kPrecision, Inputs, Panels * kVectors, 0>(
+      weights + panel * panel_stride, panel_stride, columns, panel * kPanelRows, x, inputs, least);
 }
 
 // Some panels for all inputs, while their weights are in a near cache.
-template <int Panels>
+template <Precision kPrecision, int Panels>
 HWY_INLINE void AffineSome(const float* weights, int panel, int columns,
                            std::span<const Operands> inputs, bool relu) {
   for (; inputs.size() >= 4; inputs = inputs.subspan(4)) {
-    AffinePanels<Panels, 4>(weights, panel, columns, inputs.data(), relu);
+    AffinePanels<kPrecision, Panels, 4>(weights, panel, columns, inputs.data(), relu);
   }
   if (inputs.size() >= 2) {
-    AffinePanels<Panels, 2>(weights, panel, columns, inputs.data(), relu);
+    AffinePanels<kPrecision, Panels, 2>(weights, panel, columns, inputs.data(), relu);
     inputs = inputs.subspan(2);
   }
-  if (!inputs.empty()) AffinePanels<Panels, 1>(weights, panel, columns, inputs.data(), relu);
+  if (!inputs.empty()) {
+    AffinePanels<kPrecision, Panels, 1>(weights, panel, columns, inputs.data(), relu);
+  }
 }
 
 // Processes as many panels at a time as the registers hold, then the rest.
-template <int Most>
+template <Precision kPrecision, int Most>
 HWY_INLINE void AffinePanelwise(const float* weights, int panel, int panels, int columns,
                                 std::span<const Operands> inputs, bool relu) {
   for (; panel + Most <= panels; panel += Most) {
-    AffineSome<Most>(weights, panel, columns, inputs, relu);
+    AffineSome<kPrecision, Most>(weights, panel, columns, inputs, relu);
   }
   if constexpr (Most > 1) {
     if (panel < panels) {
-      AffinePanelwise<Most - 1>(weights, panel, panels, columns, inputs, relu);
+      AffinePanelwise<kPrecision, Most - 1>(weights, panel, panels, columns, inputs, relu);
     }
+  }
+}
+
+template <Precision kPrecision>
+HWY_INLINE void AffineAll(const float* weights, int panels, int columns,
+                          std::span<const Operands> inputs, bool relu) {
+  if (kManyRegisters) {
+    AffinePanelwise<kPrecision, 5>(weights, 0, panels, columns, inputs, relu);
+  } else if (inputs.size() == 1) {
+    AffinePanelwise<kPrecision, 2>(weights, 0, panels, columns, inputs, relu);
+  } else {
+    AffinePanelwise<kPrecision, 1>(weights, 0, panels, columns, inputs, relu);
   }
 }
 
 void Affine(const float* weights, int panels, int columns, std::span<const Operands> inputs,
             bool relu) noexcept {
-  if (kManyRegisters) {
-    AffinePanelwise<5>(weights, 0, panels, columns, inputs, relu);
-  } else if (inputs.size() == 1) {
-    AffinePanelwise<2>(weights, 0, panels, columns, inputs, relu);
-  } else {
-    AffinePanelwise<1>(weights, 0, panels, columns, inputs, relu);
-  }
+  AffineAll<Precision::kFloat32>(weights, panels, columns, inputs, relu);
 }
 
 void Standardize(const float* x, const float* mean, const float* inverse_deviation, int count,
@@ -235,11 +267,12 @@ HWY_INLINE void Unit(V in, V forget, V cell, V open, float* h, float* c) {
 constexpr int kGateVectors = 4 * 16 / kLanes;  // vectors of the four gates of 16 units
 
 // Gate sums of 16 units before their activations: `Vectors` vectors from First on.
-template <int Units, int Inputs, int First, int Vectors>
+template <Precision kPrecision, int Units, int Inputs, int First, int Vectors>
 HWY_INLINE void SomeGates(const float* weights, const float* bias,
                           const std::array<const float*, Inputs>& h,
                           const std::array<const float*, Inputs>& z, V (&sum)[Inputs][Vectors]) {
-  constexpr std::size_t kPanelStride = std::size_t{2} * Units * kPanelRows;
+  constexpr int kColumns = Units / Together(kPrecision);
+  constexpr std::size_t kPanelStride = std::size_t{2} * kColumns * kPanelRows;
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(16)
@@ -247,41 +280,41 @@ HWY_INLINE void SomeGates(const float* weights, const float* bias,
   }
   // Wh h comes first, because it does not depend on the layer below.
   constexpr int kSets = Sets(kGateVectors);
-  Accumulate<Inputs, First, Vectors, kSets>(weights, kPanelStride, Units, h, sum);
-  Accumulate<Inputs, First, Vectors, kSets>(weights + Units * kPanelRows, kPanelStride, Units, z,
-                                            sum);
+  Accumulate<kPrecision, Inputs, First, Vectors, kSets>(weights, kPanelStride, kColumns, h, sum);
+  Accumulate<kPrecision, Inputs, First, Vectors, kSets>(weights + kColumns * kPanelRows,
+                                                        kPanelStride, kColumns, z, sum);
 }
 
-template <int Units, int Inputs, int First = 0>
+template <Precision kPrecision, int Units, int Inputs, int First = 0>
 HWY_INLINE void Gates(const float* weights, const float* bias,
                       const std::array<const float*, Inputs>& h,
                       const std::array<const float*, Inputs>& z, V (&gates)[Inputs][kGateVectors]) {
   constexpr int kSome = VectorsAtATime<Inputs>(kGateVectors);
   V sum[Inputs][kSome];
-  SomeGates<Units, Inputs, First, kSome>(weights, bias, h, z, sum);
+  SomeGates<kPrecision, Units, Inputs, First, kSome>(weights, bias, h, z, sum);
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(16)
     for (int v = 0; v < kSome; ++v) gates[i][First + v] = sum[i][v];
   }
   if constexpr (First + kSome < kGateVectors) {
-    Gates<Units, Inputs, First + kSome>(weights, bias, h, z, gates);
+    Gates<kPrecision, Units, Inputs, First + kSome>(weights, bias, h, z, gates);
   }
 }
 
 // 16 units of some states, from the old h of all units.
-template <int Units, int Inputs>
+template <Precision kPrecision, int Units, int Inputs>
 HWY_INLINE void LstmSome(const float* weights, const float* bias, int first,
-                         const float (*old)[Units], const LstmOperands* states) {
+                         const std::array<const float*, 2>* from, const LstmOperands* states) {
   constexpr int kGate = 16 / kLanes;  // vectors of a gate's 16 units
   std::array<const float*, Inputs> h, z;
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
-    h[i] = old[i];
-    z[i] = states[i].z;
+    h[i] = from[i][0];
+    z[i] = from[i][1];
   }
   V gates[Inputs][kGateVectors];
-  Gates<Units, Inputs>(weights, bias, h, z, gates);
+  Gates<kPrecision, Units, Inputs>(weights, bias, h, z, gates);
   HWY_UNROLL(4)
   for (int i = 0; i < Inputs; ++i) {
     HWY_UNROLL(4)
@@ -297,45 +330,134 @@ HWY_INLINE void LstmSome(const float* weights, const float* bias, int first,
 constexpr std::size_t kMostStates = 16;  // at a time
 
 // Units outermost: the weights of 16 units stay in the first-level cache while the states pass.
-template <int Units>
-HWY_INLINE void LstmChunk(const float* weights, const float* bias,
+// `from`: the old h and z of each state.
+template <Precision kPrecision, int Units>
+HWY_INLINE void LstmUnits(const float* weights, const float* bias,
+                          const std::array<const float*, 2>* from,
                           std::span<const LstmOperands> states) {
-  // All units read the old h, so it is copied before h is overwritten.
-  alignas(64) float old[kMostStates][Units];
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    for (int u = 0; u < Units; u += kLanes) {
-      hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
-    }
-  }
   for (int first = 0; first < Units; first += 16) {
     std::size_t i = 0;
     for (; i + 4 <= states.size(); i += 4) {
-      LstmSome<Units, 4>(weights, bias, first, old + i, &states[i]);
+      LstmSome<kPrecision, Units, 4>(weights, bias, first, from + i, &states[i]);
     }
     if (i + 2 <= states.size()) {
-      LstmSome<Units, 2>(weights, bias, first, old + i, &states[i]);
+      LstmSome<kPrecision, Units, 2>(weights, bias, first, from + i, &states[i]);
       i += 2;
     }
-    if (i < states.size()) LstmSome<Units, 1>(weights, bias, first, old + i, &states[i]);
-    weights += std::size_t{4} * Units * kPanelRows;
+    if (i < states.size()) {
+      LstmSome<kPrecision, Units, 1>(weights, bias, first, from + i, &states[i]);
+    }
+    weights += std::size_t{4} * Units / Together(kPrecision) * kPanelRows;
     bias += 2 * kPanelRows;
   }
 }
 
 template <int Units>
-void LstmStates(const float* weights, const float* bias,
-                std::span<const LstmOperands> states) noexcept {
+HWY_INLINE void LstmChunk(const float* weights, const float* bias,
+                          std::span<const LstmOperands> states) {
+  // All units read the old h, so it is copied before h is overwritten.
+  alignas(64) float old[kMostStates][Units];
+  std::array<std::array<const float*, 2>, kMostStates> from;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    for (int u = 0; u < Units; u += kLanes) {
+      hn::Store(hn::Load(d, states[i].h + u), d, old[i] + u);
+    }
+    from[i] = {old[i], states[i].z};
+  }
+  LstmUnits<Precision::kFloat32, Units>(weights, bias, from.data(), states);
+}
+
+// Calls run(units, states) for at most kMostStates at a time.
+template <typename Run>
+HWY_INLINE void LstmOf(int units, std::span<const LstmOperands> states, const Run& run) {
   while (!states.empty()) {
     const std::size_t count = HWY_MIN(states.size(), kMostStates);
-    LstmChunk<Units>(weights, bias, states.first(count));
+    units == 64 ? run(std::integral_constant<int, 64>(), states.first(count))
+                : run(std::integral_constant<int, 32>(), states.first(count));
     states = states.subspan(count);
   }
 }
 
 void Lstm(int units, const float* weights, const float* bias,
           std::span<const LstmOperands> states) noexcept {
-  units == 64 ? LstmStates<64>(weights, bias, states) : LstmStates<32>(weights, bias, states);
+  LstmOf(units, states,
+         [=](auto n, std::span<const LstmOperands> some) { LstmChunk<n>(weights, bias, some); });
 }
+
+#if STYLED_HAS_PAIRS
+// The instructions of AVX512-BF16 are written out: Highway has them in no target of its own, and
+// the rest of a kernel is the same. BestKernels gives the table only where the processor has them.
+
+// Rounds floats to pairs of bfloat16; an odd last one gets 0 beside it. Writes whole vectors.
+HWY_INLINE void ToPairs(const float* x, int count, float* pairs) {
+  const auto some = [](const float* from, float* to) {
+    const V low = hn::LoadU(d, from), high = hn::LoadU(d, from + kLanes);
+    V both;
+    asm("vcvtne2ps2bf16 %1, %2, %0" : "=v"(both.raw) : "v"(low.raw), "v"(high.raw));
+    hn::Store(both, d, to);
+  };
+  int i = 0;
+  for (; i + 2 * kLanes <= count; i += 2 * kLanes) some(x + i, pairs + i / 2);
+  if (i == count) return;
+  alignas(64) float rest[2 * kLanes] = {};
+  std::copy(x + i, x + count, rest);
+  some(rest, pairs + i / 2);
+}
+
+// The columns of a panel two by two, in place.
+void PackPairs(float* weights, int panels, int columns) noexcept {
+  float* to = weights;
+  for (int panel = 0; panel < panels; ++panel) {
+    for (int column = 0; column < columns; column += 2) {
+      alignas(64) float two[2 * kPanelRows] = {}, pairs[kPanelRows];
+      for (int row = 0; row < kPanelRows; ++row) {
+        two[2 * row] = weights[row];
+        if (column + 1 < columns) two[2 * row + 1] = weights[kPanelRows + row];
+      }
+      ToPairs(two, 2 * kPanelRows, pairs);
+      to = std::copy_n(pairs, kPanelRows, to);
+      weights += column + 1 < columns ? 2 * kPanelRows : kPanelRows;
+    }
+  }
+}
+
+void AffinePairs(const float* weights, int panels, int columns, std::span<const Operands> inputs,
+                 bool relu) noexcept {
+  constexpr std::size_t kMost = 2 * kMostStates;
+  alignas(64) float x[kMost][kMostColumns / 2];
+  std::array<Operands, kMost> some;
+  while (!inputs.empty()) {
+    const std::size_t count = HWY_MIN(inputs.size(), kMost);
+    for (std::size_t i = 0; i < count; ++i) {
+      ToPairs(inputs[i].x, columns, x[i]);
+      some[i] = {inputs[i].bias, x[i], inputs[i].y};
+    }
+    AffineAll<Precision::kBfloat16>(weights, panels, (columns + 1) / 2,
+                                    std::span(some).first(count), relu);
+    inputs = inputs.subspan(count);
+  }
+}
+
+template <int Units>
+HWY_INLINE void LstmChunkOfPairs(const float* weights, const float* bias,
+                                 std::span<const LstmOperands> states) {
+  alignas(64) float pairs[kMostStates][2][Units / 2];
+  std::array<std::array<const float*, 2>, kMostStates> from;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    ToPairs(states[i].h, Units, pairs[i][0]);
+    ToPairs(states[i].z, Units, pairs[i][1]);
+    from[i] = {pairs[i][0], pairs[i][1]};
+  }
+  LstmUnits<Precision::kBfloat16, Units>(weights, bias, from.data(), states);
+}
+
+void LstmPairs(int units, const float* weights, const float* bias,
+               std::span<const LstmOperands> states) noexcept {
+  LstmOf(units, states, [=](auto n, std::span<const LstmOperands> some) {
+    LstmChunkOfPairs<n>(weights, bias, some);
+  });
+}
+#endif  // STYLED_HAS_PAIRS
 
 // q / |q|. An estimate of 1 / |q| (8 bits on some targets) with two Newton steps is faster than a
 // square root and a division.
@@ -372,8 +494,19 @@ void Normalize(const float* quaternions, int count, float* unit) noexcept {
 }  // namespace
 
 const Kernels& TargetKernels() {
-  static const Kernels kernels{hwy::TargetName(HWY_TARGET), Affine, Standardize, Lstm, Normalize};
+  static const Kernels kernels{
+      hwy::TargetName(HWY_TARGET), Affine, Standardize, Lstm, Normalize, nullptr};
   return kernels;
+}
+
+const Kernels* TargetPairs() {
+#if STYLED_HAS_PAIRS
+  static const Kernels kernels{"AVX512-BF16", AffinePairs, Standardize,
+                               LstmPairs,     Normalize,   PackPairs};
+  return &kernels;
+#else
+  return nullptr;
+#endif
 }
 
 }  // namespace HWY_NAMESPACE
@@ -383,6 +516,16 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace styled::net {
 HWY_EXPORT(TargetKernels);
+HWY_EXPORT(TargetPairs);
+
 const Kernels& BestKernels() { return HWY_DYNAMIC_DISPATCH(TargetKernels)(); }
+
+const Kernels* BestKernels(Precision precision) {
+  if (precision == Precision::kFloat32) return &BestKernels();
+#if HWY_ARCH_X86 && !HWY_COMPILER_MSVC
+  if (__builtin_cpu_supports("avx512bf16")) return HWY_DYNAMIC_DISPATCH(TargetPairs)();
+#endif
+  return nullptr;
+}
 }  // namespace styled::net
 #endif

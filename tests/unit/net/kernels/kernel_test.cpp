@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/unit/net/kernels/each_target.h"
@@ -52,15 +55,23 @@ TEST(Kernels, EachTargetHasItsOwn) {
   RecordProperty("targets", testing::PrintToString(names));
 }
 
-// Processed as fours, two and one; an LSTM layer takes sixteen at a time.
-constexpr int kInputs = 23;
+// Sets the 16 lower bits to 0: what is left is a bfloat16, whose products are exact.
+void Shorten(float& value) {
+  value = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & 0xFFFF0000U);
+}
+
+// Processed as fours, two and one; an LSTM layer takes sixteen at a time, a product of bfloat16
+// thirty-two.
+constexpr int kInputs = 39;
 
 // One product of `rows` x `columns` with several inputs: together, and each alone.
-void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
+void CheckAffine(const Kernels& kernels, int rows, int columns, bool relu, std::mt19937& random) {
   SCOPED_TRACE(std::to_string(rows) + " x " + std::to_string(columns));
   const int panels = PaddedRows(rows) / kPanelRows;
   Aligned weights(static_cast<std::size_t>(PaddedRows(rows)) * columns);
   Aligned dense(static_cast<std::size_t>(rows) * columns, 1, random);
+  const bool rounded = kernels.pack != nullptr;
+  for (int i = 0; rounded && i < rows * columns; ++i) Shorten(dense[i]);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       weights[(row / kPanelRows * columns + column) * kPanelRows + row % kPanelRows] =
@@ -70,11 +81,12 @@ void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
   std::vector<Aligned> x, bias, alone, together;
   for (int i = 0; i < kInputs; ++i) {
     x.emplace_back(columns, 1, random);
+    for (int column = 0; rounded && column < columns; ++column) Shorten(x.back()[column]);
     bias.emplace_back(PaddedRows(rows), 1, random);
     alone.emplace_back(PaddedRows(rows));
     together.emplace_back(PaddedRows(rows));
   }
-  const Kernels& kernels = BestKernels();
+  if (rounded) kernels.pack(weights.data(), panels, columns);
   std::vector<Operands> all;
   for (int i = 0; i < kInputs; ++i) {
     const Operands one{bias[i].data(), x[i].data(), alone[i].data()};
@@ -95,16 +107,48 @@ void CheckAffine(int rows, int columns, bool relu, std::mt19937& random) {
   }
 }
 
-TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
-  OnEachTarget([] {
-    SCOPED_TRACE(BestKernels().target);
-    std::mt19937 random(1);
-    for (const int rows : {1, 15, 16, 17, 32, 33, 58, 64, 86, 128, 148, 161, 300}) {
-      for (const int columns : {1, 2, 3, 5, 32, 58, 86, 128, 211}) {
-        CheckAffine(rows, columns, (rows + columns) % 2 == 0, random);
-      }
+void CheckAffineOfAnySize(const Kernels& kernels) {
+  SCOPED_TRACE(kernels.target);
+  std::mt19937 random(1);
+  for (const int rows : {1, 15, 16, 17, 32, 33, 58, 64, 86, 128, 148, 161, 300}) {
+    for (const int columns : {1, 2, 3, 5, 32, 58, 86, 128, 211}) {
+      CheckAffine(kernels, rows, columns, (rows + columns) % 2 == 0, random);
     }
-  });
+  }
+}
+
+TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
+  OnEachTarget([] { CheckAffineOfAnySize(BestKernels()); });
+}
+
+TEST(Kernels, AffineOfBfloat16OfAnySize) {
+  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
+  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
+  CheckAffineOfAnySize(*rounded);
+}
+
+// Of two that are as near, the even one.
+TEST(Kernels, Bfloat16IsTheNearest) {
+  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
+  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
+  constexpr float kStep = 1.0F / 128;  // between numbers from 1 to 2
+  const std::pair<float, float> cases[] = {{1 + kStep, 1 + kStep},
+                                           {1 + 0.49F * kStep, 1},
+                                           {1 + 0.5F * kStep, 1},
+                                           {1 + 0.51F * kStep, 1 + kStep},
+                                           {1 + 1.5F * kStep, 1 + 2 * kStep},
+                                           {-1 - 0.51F * kStep, -1 - kStep}};
+  for (const auto& [from, to] : cases) {
+    Aligned weights(2 * kPanelRows), bias(kPanelRows), x(2), y(kPanelRows);
+    x[0] = from;  // times 1
+    x[1] = 1;     // times `from`
+    weights[0] = 1;
+    weights[kPanelRows] = from;
+    rounded->pack(weights.data(), 1, 2);
+    const Operands one{bias.data(), x.data(), y.data()};
+    rounded->affine(weights.data(), 1, 2, {&one, 1}, false);
+    EXPECT_EQ(y[0], 2 * to) << from;
+  }
 }
 
 TEST(Kernels, StandardizeClampsAndReadsNotANumberAsTheMean) {
@@ -139,13 +183,18 @@ struct Layer {
   static constexpr int kRows = 4 * Units, kColumns = 2 * Units;
   Aligned dense, weights, bias, z, h, c;
 
-  Layer(float bound, std::mt19937& random)
+  Layer(float bound, std::mt19937& random, bool rounded = false)
       : dense(kRows * kColumns, bound / Units, random),
         weights(kRows * kColumns),
         bias(kRows, bound, random),
         z(Units, 1, random),
         h(Units, 1, random),
         c(Units, std::min(bound, 5.0F), random) {
+    for (int i = 0; rounded && i < kRows * kColumns; ++i) Shorten(dense[i]);
+    for (int i = 0; rounded && i < Units; ++i) {
+      Shorten(z[i]);
+      Shorten(h[i]);
+    }
     // Gates in the order ifgo; the sigmoids' rows are halved.
     for (int row = 0; row < kRows; ++row) {
       const int to = LstmRow(row / Units, row % Units);
@@ -167,12 +216,13 @@ struct Layer {
 };
 
 template <int Units>
-void ExpectLayerOfTheEquations() {
-  SCOPED_TRACE(BestKernels().target);
+void ExpectLayerOfTheEquations(const Kernels& kernels) {
+  SCOPED_TRACE(kernels.target);
+  const bool rounded = kernels.pack != nullptr;
   std::mt19937 random(3);
   for (const float bound : {0.01F, 1.0F, 5.0F, 30.0F, 1000.0F}) {
     for (int repeat = 0; repeat < 20; ++repeat) {
-      Layer<Units> layer(bound, random);
+      Layer<Units> layer(bound, random, rounded);
       std::vector<double> c, h;
       for (int unit = 0; unit < Units; ++unit) {
         c.push_back(Sigmoid(layer.Gate(1, unit)) * layer.c[unit] +
@@ -180,7 +230,8 @@ void ExpectLayerOfTheEquations() {
         h.push_back(Sigmoid(layer.Gate(3, unit)) * std::tanh(c.back()));
       }
       const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
-      BestKernels().lstm(Units, layer.weights.data(), layer.bias.data(), {&state, 1});
+      if (rounded) kernels.pack(layer.weights.data(), 4 * Units / kPanelRows, 2 * Units);
+      kernels.lstm(Units, layer.weights.data(), layer.bias.data(), {&state, 1});
       // The rounding of the gates' sums grows with their size.
       const double tolerance = 4e-7 * std::max(1.0F, bound);
       for (int unit = 0; unit < Units; ++unit) {
@@ -193,16 +244,26 @@ void ExpectLayerOfTheEquations() {
 
 TEST(Kernels, LstmLayerIsThatOfTheEquations) {
   OnEachTarget([] {
-    ExpectLayerOfTheEquations<32>();
-    ExpectLayerOfTheEquations<64>();
+    ExpectLayerOfTheEquations<32>(BestKernels());
+    ExpectLayerOfTheEquations<64>(BestKernels());
   });
 }
 
+TEST(Kernels, LstmLayerOfBfloat16IsThatOfTheEquations) {
+  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
+  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
+  ExpectLayerOfTheEquations<32>(*rounded);
+  ExpectLayerOfTheEquations<64>(*rounded);
+}
+
 template <int Units>
-void ExpectStatesTogetherAsAlone() {
-  SCOPED_TRACE(BestKernels().target);
+void ExpectStatesTogetherAsAlone(const Kernels& kernels) {
+  SCOPED_TRACE(kernels.target);
   std::mt19937 random(5);
   Layer<Units> layer(2, random);
+  if (kernels.pack != nullptr) {
+    kernels.pack(layer.weights.data(), 4 * Units / kPanelRows, 2 * Units);
+  }
   std::vector<Aligned> z, h, c;
   std::vector<LstmOperands> all;
   for (int i = 0; i < kInputs; ++i) {
@@ -214,9 +275,9 @@ void ExpectStatesTogetherAsAlone() {
   for (int i = 0; i < kInputs; ++i) {
     all.push_back({z[i].data(), h[i].data(), c[i].data()});
     const LstmOperands one{z[i].data(), alone_h[i].data(), alone_c[i].data()};
-    BestKernels().lstm(Units, layer.weights.data(), layer.bias.data(), {&one, 1});
+    kernels.lstm(Units, layer.weights.data(), layer.bias.data(), {&one, 1});
   }
-  BestKernels().lstm(Units, layer.weights.data(), layer.bias.data(), all);
+  kernels.lstm(Units, layer.weights.data(), layer.bias.data(), all);
   for (int i = 0; i < kInputs; ++i) {
     for (int unit = 0; unit < Units; ++unit) {
       ASSERT_EQ(h[i][unit], alone_h[i][unit]) << i << ", unit " << unit;
@@ -227,9 +288,16 @@ void ExpectStatesTogetherAsAlone() {
 
 TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
   OnEachTarget([] {
-    ExpectStatesTogetherAsAlone<32>();
-    ExpectStatesTogetherAsAlone<64>();
+    ExpectStatesTogetherAsAlone<32>(BestKernels());
+    ExpectStatesTogetherAsAlone<64>(BestKernels());
   });
+}
+
+TEST(Kernels, LstmStatesOfBfloat16TogetherAreBitForBitThoseAlone) {
+  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
+  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
+  ExpectStatesTogetherAsAlone<32>(*rounded);
+  ExpectStatesTogetherAsAlone<64>(*rounded);
 }
 
 // With open gates and zero weights, c' is tanh of the cell gate: only the approximation.
