@@ -14,15 +14,16 @@ namespace styled::net {
 namespace {
 
 // A network family: its name in weights files, the function that reads the family's part, of either
-// kind, and whether it knows a space of styles.
+// kind, whether it knows a space of styles, and whether its weights can be rounded.
 struct Family {
   const char* name;
   Result<std::shared_ptr<const Stylizer>> (*load)(WeightsFile& file);
   Result<std::shared_ptr<const ClipStylizer>> (*load_clips)(WeightsFile& file) = nullptr;
   bool space = false;
+  bool rounds = false;
 };
 constexpr std::array kFamilies = {
-    Family{kStyleErd, erd::Load},
+    Family{kStyleErd, erd::Load, nullptr, false, true},
     Family{offset::kFamily, offset::Load},
     Family{stgcn::kFamily, nullptr, stgcn::Load, true},
     Family{stgcn_causal::kFamily, stgcn_causal::Load, nullptr, true},
@@ -47,6 +48,18 @@ const Family* FindFamily(const std::string& name) {
   return found == kFamilies.end() ? nullptr : found;
 }
 
+Result<WeightsFile> ParseFor(Precision precision, std::span<const std::byte> bytes,
+                             const std::string& name) {
+  if (BestKernels(precision) == nullptr) {
+    return Status::Error(name +
+                         ": bfloat16 needs a processor with AVX512-BF16, this one multiplies by " +
+                         BestKernels().target);
+  }
+  Result<WeightsFile> file = ParseWeights(bytes, name);
+  if (file.ok()) file.value().precision = precision;
+  return file;
+}
+
 Result<AnyStylizer> LoadFamily(const Family& family, WeightsFile& file) {
   AnyStylizer any;
   if (family.load != nullptr) {
@@ -63,15 +76,16 @@ Result<AnyStylizer> LoadFamily(const Family& family, WeightsFile& file) {
 
 }  // namespace
 
-Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file) {
+Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file,
+                                             Precision precision) {
   const Result<std::vector<std::byte>> bytes = ReadFile(file);
   if (!bytes.ok()) return bytes.status();
-  return Parse(bytes.value(), file.string());
+  return Parse(bytes.value(), file.string(), precision);
 }
 
 Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
-                                              const std::string& name) {
-  Result<WeightsFile> file = ParseWeights(bytes, name);
+                                              const std::string& name, Precision precision) {
+  Result<WeightsFile> file = ParseFor(precision, bytes, name);
   if (!file.ok()) return file.status();
   const std::string& wanted = file.value().model.family;
   const Family* const family = FindFamily(wanted);
@@ -82,14 +96,21 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
   return faults.status();
 }
 
-Result<AnyStylizer> LoadAny(const std::filesystem::path& file) {
-  const Result<std::vector<std::byte>> bytes = ReadFile(file);
-  if (!bytes.ok()) return bytes.status();
-  return ParseAny(bytes.value(), file.string());
+bool CanBeRounded(std::span<const std::byte> bytes) {
+  const Result<WeightsFile> file = ParseWeights(bytes, "");
+  const Family* const family = file.ok() ? FindFamily(file.value().model.family) : nullptr;
+  return family != nullptr && family->rounds;
 }
 
-Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name) {
-  Result<WeightsFile> file = ParseWeights(bytes, name);
+Result<AnyStylizer> LoadAny(const std::filesystem::path& file, Precision precision) {
+  const Result<std::vector<std::byte>> bytes = ReadFile(file);
+  if (!bytes.ok()) return bytes.status();
+  return ParseAny(bytes.value(), file.string(), precision);
+}
+
+Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name,
+                             Precision precision) {
+  Result<WeightsFile> file = ParseFor(precision, bytes, name);
   if (!file.ok()) return file.status();
   const std::string& wanted = file.value().model.family;
   const Family* const family = FindFamily(wanted);

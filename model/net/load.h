@@ -8,6 +8,7 @@
 
 #include "model/base/status.h"
 #include "model/net/clip_stylizer.h"
+#include "model/net/kernels/kernel.h"
 #include "model/net/stylizer.h"
 
 namespace styled::net {
@@ -16,9 +17,17 @@ namespace styled::net {
 // or tensor, what was expected and what was found; for an unknown family it lists the known ones,
 // and so it does for a family whose network needs whole clips. Allocates: start-up and reload only.
 // Pinned by tests/unit/net/load_test.cpp.
-Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file);
+//
+// `precision`: to which a network of the family style-erd rounds its weights; the others have
+// float32 always. An error where the processor has no products of such numbers.
+Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file,
+                                             Precision precision = Precision::kFloat32);
 Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
-                                              const std::string& name);
+                                              const std::string& name,
+                                              Precision precision = Precision::kFloat32);
+
+// Whether the file's family is one whose weights can be rounded; false for what is no weights file.
+bool CanBeRounded(std::span<const std::byte> bytes);
 
 // A network of either kind; exactly one is set.
 struct AnyStylizer {
@@ -29,8 +38,10 @@ struct AnyStylizer {
 };
 
 // The same for programs that run both kinds.
-Result<AnyStylizer> LoadAny(const std::filesystem::path& file);
-Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name);
+Result<AnyStylizer> LoadAny(const std::filesystem::path& file,
+                            Precision precision = Precision::kFloat32);
+Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name,
+                             Precision precision = Precision::kFloat32);
 
 // The families whose networks need whole clips, or know a space of styles, for messages: "\"a\" or
 // \"b\"".

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/net/kernels/kernel.h"
 #include "model/net/safetensors.h"
 #include "model/net/stylizer.h"
 
@@ -41,7 +42,9 @@ struct WeightsFile {
   std::string name;       // begins every error
   Model model;            // the common keys
   nlohmann::json header;  // all keys, an object
-  SafetensorsView view;   // its spans lie in the bytes given to ParseWeights
+  // To which the family shall round its weights. ParseWeights leaves it as it is.
+  Precision precision = Precision::kFloat32;
+  SafetensorsView view;  // its spans lie in the bytes given to ParseWeights
 };
 
 // Reads container and common keys. `bytes` must outlive the result.

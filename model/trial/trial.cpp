@@ -232,7 +232,7 @@ Status Try(const net::Stylizer& given, const std::string& name, Figures* figures
   const std::vector<body::Pose> poses = MakePoses(given.model().rate_hz);
   std::shared_ptr<const net::Stylizer> with;
   if (const net::StyleSpace* const space = given.space(); space != nullptr) {
-    const Status codes = CheckCodes(given.model(), *space, name);
+    Status codes = CheckCodes(given.model(), *space, name);
     if (!codes.ok()) return codes;
     net::StyleRequest request;
     request.sources = {{-1, {}, poses, 1}};
@@ -265,7 +265,7 @@ Status Try(const net::Stylizer& given, const std::string& name, Figures* figures
 
 Status Try(const net::ClipStylizer& network, const std::string& name, Figures* figures) {
   const std::vector<body::Pose> poses = MakePoses(network.model().rate_hz);
-  const Status codes = CheckCodes(network.model(), network, name);
+  Status codes = CheckCodes(network.model(), network, name);
   if (!codes.ok()) return codes;
   Figures worst;
   for (const ClipRun& run : MakeClipRuns(network.model(), poses)) {
@@ -293,16 +293,17 @@ Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& f
 }
 
 Result<std::shared_ptr<const net::Stylizer>> Parse(std::span<const std::byte> bytes,
-                                                   const std::string& name) {
-  auto network = net::Parse(bytes, name);
+                                                   const std::string& name,
+                                                   net::Precision precision) {
+  auto network = net::Parse(bytes, name, precision);
   if (!network.ok()) return network;
   const Status status = Try(*network.value(), name);
   if (!status.ok()) return status;
   return network;
 }
 
-Result<net::AnyStylizer> LoadAny(const std::filesystem::path& file) {
-  auto network = net::LoadAny(file);
+Result<net::AnyStylizer> LoadAny(const std::filesystem::path& file, net::Precision precision) {
+  auto network = net::LoadAny(file, precision);
   if (!network.ok()) return network;
   const net::AnyStylizer& any = network.value();
   const Status status =

@@ -102,6 +102,12 @@ class LayerReader {
   net::TensorReader& tensors_;
 };
 
+template <int Rows, int Columns>
+void RoundMatrix(const Kernels& kernels, PackedMatrix<Rows, Columns>& weight) {
+  static_assert(Columns <= net::kMostColumns);
+  kernels.pack(weight.data(), net::PaddedRows(Rows) / net::kPanelRows, Columns);
+}
+
 std::string LayerName(int style, int layer) {
   return "recurrent." + std::to_string(style) + "." + std::to_string(layer);
 }
@@ -150,6 +156,18 @@ void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
 }
 
 }  // namespace
+
+template <Shape kShape>
+void ShapedNetwork<kShape>::Weights::Round(const Kernels& for_kernels) {
+  kernels = &for_kernels;
+  if (kernels->pack == nullptr) return;
+  const auto round = [&](auto&... matrices) { (RoundMatrix(*kernels, matrices), ...); };
+  round(encoder0, encoder1.weight, decoder0, decoder1.weight, decoder2.weight, heads.weight);
+  for (auto& layer : neutral) round(layer.weight);
+  for (auto& style : styles) {
+    for (auto& layer : style) round(layer.weight);
+  }
+}
 
 template <Shape kShape>
 ShapedNetwork<kShape>::ShapedNetwork() : weights_(std::make_unique<Weights>()) {}
@@ -203,6 +221,7 @@ Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read
   TakeHeads(tensors, mean, deviation, w.heads);
   all.Finish();
   if (!faults.none()) return faults.status();
+  w.Round(*net::BestKernels(file.precision));
   return std::shared_ptr<const ShapedNetwork>(network);
 }
 

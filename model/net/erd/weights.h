@@ -43,6 +43,9 @@ struct ShapedNetwork<kShape>::Weights {
   static constexpr int kLatent = kShape.latent;
   static constexpr std::array<int, 3> kDecoder = kShape.decoder;
 
+  // Sets the kernels, and rounds the matrices to what they read.
+  void Round(const Kernels& for_kernels);
+
   const Kernels* kernels = &net::BestKernels();
   PackedVector<kFeatureCount> mean, inverse_deviation;
   PackedMatrix<kShape.encoder, kFeatureCount> encoder0;

@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "model/feet/legs.h"
+#include "model/net/kernels/kernel.h"
 #include "model/net/load.h"
 #include "model/stylist/stylist.h"
 #include "model/synthetic/performer.h"
@@ -54,6 +58,82 @@ TEST(TrialTest, ShippedWeightsPassWithRoomToSpare) {
                 figures.reconstruction_rad, figures.change_rad, figures.velocity_m_s,
                 figures.height_m);
   }
+}
+
+// The largest and the root mean square turn of a joint between two lists of poses, degrees.
+struct Apart {
+  double largest_deg = 0, rms_deg = 0;
+};
+Apart Between(const std::vector<body::Pose>& a, const std::vector<body::Pose>& b) {
+  Apart apart;
+  double squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
+      const double deg =
+          a[i].rotations[joint].angularDistance(b[i].rotations[joint]) * 180 / std::numbers::pi;
+      apart.largest_deg = std::max(apart.largest_deg, deg);
+      squares += deg * deg;
+    }
+  }
+  apart.rms_deg = std::sqrt(squares / static_cast<double>(a.size() * body::kJointCount));
+  return apart;
+}
+
+// What a built-in performer becomes in a style, 10 s at 120 Hz.
+std::vector<body::Pose> Styled(const std::shared_ptr<const net::Stylizer>& network, int style,
+                               std::uint64_t seed) {
+  const auto binding = std::make_shared<const rig::Binding>(feet::HumanoidBinding());
+  stylist::Stylist stylist(network, binding, {});
+  stylist::Settings settings;
+  if (style > 0) settings.mix[0] = {style, 1};
+  stylist.Set(settings);
+  synthetic::Performer performer({.seed = seed});
+  stylist::Output out(binding->skeleton());
+  rig::RigPose in(binding->skeleton());
+  std::vector<body::Pose> poses;
+  for (int frame = 0; frame < 1200; ++frame) {
+    body::Pose pose;
+    performer.Pose(frame / 120.0, pose);
+    binding->Unbind(pose, in, in);
+    stylist.Process(std::int64_t{frame} * 1'000'000'000 / 120, in, out);
+    poses.push_back(out.canonical);
+  }
+  return poses;
+}
+
+// Beside what the style itself does, which no method that leaves it out can pass.
+TEST(TrialTest, RoundedWeightsGiveNearlyTheSamePoses) {
+  const std::string file = STYLED_SHIPPED "/v2.safetensors";
+  const auto rounded = net::Load(file, net::Precision::kBfloat16);
+  if (net::BestKernels(net::Precision::kBfloat16) == nullptr) {
+    EXPECT_THAT(rounded.status().message(),
+                HasSubstr("bfloat16 needs a processor with AVX512-BF16"));
+    GTEST_SKIP() << "no AVX512-BF16";
+  }
+  ASSERT_TRUE(rounded.ok()) << rounded.status().message();
+  const auto network = net::Load(file);
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  const net::Styles& styles = network.value()->model().styles;
+  Apart worst;
+  double least_style_deg = 1e9;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const auto own = Styled(network.value(), 0, seed);
+    for (int style = 1; style < static_cast<int>(styles.size()); ++style) {
+      const auto poses = Styled(network.value(), style, seed);
+      const Apart by_rounding = Between(poses, Styled(rounded.value(), style, seed));
+      const Apart by_style = Between(poses, own);
+      EXPECT_GT(by_rounding.rms_deg, 0) << "nothing was rounded";
+      EXPECT_LT(by_rounding.rms_deg, 0.05 * by_style.rms_deg) << styles[style].name;
+      worst = {std::max(worst.largest_deg, by_rounding.largest_deg),
+               std::max(worst.rms_deg, by_rounding.rms_deg)};
+      least_style_deg = std::min(least_style_deg, by_style.rms_deg);
+    }
+  }
+  std::printf(
+      "rounding turns joints by %.2f degrees (rms of the worst style), at most %.1f; the "
+      "style that does least by %.1f\n",
+      worst.rms_deg, worst.largest_deg, least_style_deg);
+  EXPECT_LT(worst.largest_deg, 10);
 }
 
 TEST(TrialTest, RandomWeightsPassWithRoomToSpare) {
