@@ -208,7 +208,7 @@ void Supervisor::StartRecording() {
   about.state = ReadText(StateFile(config_), pipeline::kMaxStateBytes);
   const auto files = pipeline::FindWeightsFiles(config_.model);
   if (files.ok()) {
-    const auto label = pipeline::LabelOf(files.value());
+    const auto label = pipeline::LabelOf(config_.model, files.value());
     if (label.ok()) {
       about.weights = label.value().names;
       about.weights_hash = label.value().hashes;

@@ -119,6 +119,7 @@ struct Model {
   // Of a second network, that makes styles of examples; "" = the shipped one beside the shipped
   // weights, none beside others. "none": none.
   std::string examples;
+  std::string precision = "float32";  // of the weights; or "bfloat16"
   stylist::Options stylist;
 };
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "daemon/pipeline/placing.h"
+#include "model/net/load.h"
 #include "model/net/safetensors.h"
 #include "model/net/several.h"
 #include "model/net/shipped_weights.h"
@@ -16,6 +17,13 @@ namespace {
 
 constexpr const char* kNone = "none";
 constexpr const char* kShippedExamples = "graph";
+
+bool Rounds(const config::Model& model) { return model.precision != config::Model().precision; }
+
+// What is added to the name of a file whose weights are rounded; "": they are not.
+std::string RoundedTo(const config::Model& model, std::span<const std::byte> bytes) {
+  return Rounds(model) && net::CanBeRounded(bytes) ? " in " + model.precision : "";
+}
 
 }  // namespace
 
@@ -35,13 +43,17 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
   return files;
 }
 
-Result<WeightsLabel> LabelOf(const std::vector<std::filesystem::path>& files) {
+Result<WeightsLabel> LabelOf(const config::Model& model,
+                             const std::vector<std::filesystem::path>& files) {
   WeightsLabel label;
   for (const std::filesystem::path& file : files) {
     const auto hash = recording::HashOfFile(file);
     if (!hash.ok()) return hash.status();
-    label.names += (label.names.empty() ? "" : "+") + file.filename().string();
-    label.hashes += (label.hashes.empty() ? "" : "+") + hash.value();
+    const auto bytes = net::ReadFile(file);
+    if (!bytes.ok()) return bytes.status();
+    const std::string rounded = RoundedTo(model, bytes.value());
+    label.names += (label.names.empty() ? "" : "+") + file.filename().string() + rounded;
+    label.hashes += (label.hashes.empty() ? "" : "+") + hash.value() + rounded;
   }
   return label;
 }
@@ -51,19 +63,28 @@ Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_
   if (!files.ok()) return files.status();
   Networks networks;
   std::vector<std::vector<std::byte>> contents;
-  std::vector<std::uint32_t> crcs;
+  std::vector<std::uint32_t> crcs, parts;
+  bool any_rounded = false;
   for (const std::filesystem::path& file : files.value()) {
     auto bytes = net::ReadFile(file);
     if (!bytes.ok()) return bytes.status();
     crcs.push_back(native::Crc32c(bytes.value()));
+    parts.push_back(crcs.back());
+    const std::string rounded = RoundedTo(model, bytes.value());
+    // Weights that are rounded are others: no checkpoint of one network fits the other.
+    if (!rounded.empty()) parts.push_back(native::Crc32c(std::as_bytes(std::span(rounded))));
+    any_rounded = any_rounded || !rounded.empty();
     contents.push_back(std::move(bytes.value()));
-    networks.names += (networks.names.empty() ? "" : "+") + file.filename().string();
+    networks.names += (networks.names.empty() ? "" : "+") + file.filename().string() + rounded;
   }
-  networks.crc = crcs.size() == 1 ? crcs.front() : native::Crc32c(std::as_bytes(std::span(crcs)));
+  networks.crc =
+      parts.size() == 1 ? parts.front() : native::Crc32c(std::as_bytes(std::span(parts)));
   if (networks.crc == running_crc) return networks;
   std::vector<net::NamedNetwork> named;
   for (std::size_t i = 0; i < contents.size(); ++i) {
-    auto network = trial::Parse(contents[i], files.value()[i].string());
+    auto network =
+        trial::Parse(contents[i], files.value()[i].string(),
+                     Rounds(model) ? net::Precision::kBfloat16 : net::Precision::kFloat32);
     if (!network.ok()) return network.status();
     if (i > 0 && network.value()->space() == nullptr) {
       return Status::Error("model.examples: " + files.value()[i].string() + ": family \"" +
@@ -71,6 +92,11 @@ Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_
                            "\" takes no examples; expected weights that have a style encoder");
     }
     named.push_back({files.value()[i].stem().string(), std::move(network.value())});
+  }
+  if (Rounds(model) && !any_rounded) {
+    return Status::Error("model.precision: \"" + model.precision +
+                         "\" rounds weights of the family \"style-erd\" alone, and " +
+                         networks.names + " has none of it");
   }
   // As several.h: the first that has a space.
   const bool first = named.front().network->space() != nullptr;

@@ -17,10 +17,12 @@ namespace styled::pipeline {
 Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model& model);
 
 // Their file names and their hashes, as recordings name them: "v2.safetensors+graph.safetensors".
+// Where weights are rounded, both say so: "v2.safetensors in bfloat16".
 struct WeightsLabel {
   std::string names, hashes;
 };
-Result<WeightsLabel> LabelOf(const std::vector<std::filesystem::path>& files);
+Result<WeightsLabel> LabelOf(const config::Model& model,
+                             const std::vector<std::filesystem::path>& files);
 
 // Their networks as one (model/net/several).
 struct Networks {
@@ -28,7 +30,7 @@ struct Networks {
   int own_styles = 0;         // of the files
   std::string names;          // as in WeightsLabel
   std::string examples_hash;  // CRC-32C of the file whose network makes styles of examples
-  std::uint32_t crc = 0;      // of all bytes
+  std::uint32_t crc = 0;      // of all bytes, and of what they are rounded to
 };
 
 // Reads and tries them (model/trial). Where all bytes have the CRC-32C `running_crc`, nothing is

@@ -370,7 +370,7 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   if (!runtime_config.ok()) return runtime_config.status();
   const auto weights = pipeline::FindWeightsFiles(config.model);
   if (!weights.ok()) return weights.status();
-  const auto label = pipeline::LabelOf(weights.value());
+  const auto label = pipeline::LabelOf(config.model, weights.value());
   if (!label.ok()) return label.status();
   Options options;
   auto profiles = pipeline::ParseProfiles(reader.header().state(), reader.name() + ": its state");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "model/net/kernels/kernel.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
@@ -84,6 +85,20 @@ TEST(ProcessTest, SighupTakesOverAGoodConfigurationAndFramesGoOn) {
   EXPECT_EQ(control.Ask(list).list().styles_size(), 3);
   Paced(60, 120, [&](int) { link.Send(rig.Frame()); });
   ASSERT_TRUE(subscriber.WaitForFrames(180, "styled/"));
+}
+
+TEST(ProcessTest, SighupRoundsTheWeightsWhereTheProcessorCan) {
+  Daemon daemon;
+  ControlClient control(daemon.control);
+  daemon.Configure("[model]\nprecision = \"bfloat16\"\n");
+  daemon.child->Signal(SIGHUP);
+  if (net::BestKernels(net::Precision::kBfloat16) == nullptr) {
+    EXPECT_TRUE(LogSays(daemon, "bfloat16 needs a processor with AVX512-BF16")) << daemon.Log();
+    EXPECT_EQ(control.CounterSoon("config.reloads_refused", 1), 1U);
+    return;
+  }
+  EXPECT_TRUE(LogSays(daemon, "reloaded: weights weights.safetensors in bfloat16")) << daemon.Log();
+  EXPECT_EQ(control.CounterSoon("config.reloads", 1), 1U);
 }
 
 TEST(ProcessTest, SighupWithABadConfigurationKeepsTheRunningOneAndSaysWhy) {
