@@ -19,6 +19,7 @@ struct Dependencies {
   record::Recorder* recorder = nullptr;        // null: nothing is recorded
   bool anticipate = true;                      // predicts each frame and wakes shortly before
   bool prewarm = true;                         // and then brings its data into the caches
+  bool polls = false;                          // the loop is awake around that time in any case
   runtime::ClockWatch* clock_watch = nullptr;  // null: statistics say nothing of the clock
   // Null: this daemon is alone. Else `clock` and `publisher` are its own.
   standby::Standby* standby = nullptr;

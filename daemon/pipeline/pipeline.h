@@ -121,6 +121,7 @@ class Pipeline final : public Worker, public source::Receiver {
   int DoTakes(std::int64_t now_ns);
   int DoSubscriptions();
   int DoTimers(std::int64_t now_ns, bool drained);
+  std::int64_t Prepare_ns(const Performer& performer) const;
   void Prepare(Performer& performer, std::int64_t now_ns);
 
   STYLED_REALTIME void NoteNewest(int index) noexcept;

@@ -29,9 +29,17 @@ std::int64_t Pipeline::NextDeadline_ns() const {
                   performer->admission.StaleAfter_ns(Nanoseconds(limits.stale_s))
             : performer->admission.session.last_arrival_ns() + Nanoseconds(limits.forget_s);
     next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
-    if (to_.anticipate) next_ns = std::min(next_ns, performer->admission.anticipation.prepare_ns());
+    if (to_.anticipate) next_ns = std::min(next_ns, Prepare_ns(*performer));
   }
   return next_ns;
+}
+
+// When to wake for a performer's next frame. Where caches are still warm it is not worth it: of 16
+// performers a frame took 82 us of CPU instead of 51.
+std::int64_t Pipeline::Prepare_ns(const Performer& performer) const {
+  const std::int64_t prepare_ns = performer.admission.anticipation.prepare_ns();
+  const bool warm = prepare_ns < receive_ns_ + kStaysWarm_ns;
+  return warm && !to_.polls ? Anticipation::kNever : prepare_ns;
 }
 
 bool Pipeline::Expects(std::int64_t now_ns) const {

@@ -346,6 +346,25 @@ TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
   EXPECT_FALSE(pipeline().Expects(clock_.now_ns));
 }
 
+// To be woken for each frame of a crowd costs more than the frames.
+TEST_F(PipelineTest, WhatAnothersFrameHasWarmedWakesNobody) {
+  support::Rig other("b");
+  Deliver({rig_.Body(), other.Body()});
+  for (int i = 0; i < 3; ++i) {
+    Deliver({rig_.Frame()});
+    clock_.now_ns += static_cast<std::int64_t>(rig_.period_ns) - kMs;
+    Deliver({other.Frame()});  // 1 ms before the first one's next frame
+    const std::int64_t next_ns = pipeline().NextDeadline_ns();
+    EXPECT_GT(next_ns, clock_.now_ns + 2 * kMs) << i;
+    clock_.now_ns += kMs;
+    Work();
+  }
+  EXPECT_EQ(Count(Counter::kPipelinePrewarmed), 0U);
+  Deliver({rig_.Frame()});
+  EXPECT_LT(pipeline().NextDeadline_ns(), clock_.now_ns + static_cast<std::int64_t>(rig_.period_ns))
+      << "the other one's is a while ahead";
+}
+
 TEST_F(PipelineTest, ABodyThatFramesOvertookIsTaken) {
   const support::Bytes body = rig_.Body();
   const support::Bytes first = rig_.Frame();
