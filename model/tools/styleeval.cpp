@@ -188,8 +188,10 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   const bool with_weights = !arguments.weights.empty();
   judge::AnyStyler styler;
   if (with_weights) {
-    auto read = judge::LoadAnyStyler(arguments.weights, data.manifest, arguments.stylist,
-                                     {arguments.clip_rate_hz, arguments.absolute});
+    auto read = judge::LoadAnyStyler(
+        arguments.weights, data.manifest, arguments.stylist,
+        {arguments.clip_rate_hz, arguments.absolute},
+        arguments.precision == "bfloat16" ? net::Precision::kBfloat16 : net::Precision::kFloat32);
     if (!read.ok()) return read.status();
     styler = std::move(read.value());
   }
@@ -286,6 +288,10 @@ int main(int argc, char** argv) {
                  "Where the network needs whole clips: 120 styles them as a live stream of that "
                  "rate, 30 as they were recorded")
       ->check(CLI::IsMember({30, 120}))
+      ->capture_default_str();
+  app.add_option("--precision", arguments.precision,
+                 "To which weights are rounded, as model.precision of the daemon")
+      ->check(CLI::IsMember({"float32", "bfloat16"}))
       ->capture_default_str();
   app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");

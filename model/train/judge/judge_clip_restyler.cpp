@@ -55,8 +55,8 @@ Poses ClipRestyler::Restyle(std::span<const body::Pose> clip, const Target& targ
 
 Result<AnyStyler> LoadAnyStyler(const std::filesystem::path& weights,
                                 const clip::Manifest& manifest, const stylist::Options& options,
-                                const ClipForm& form) {
-  auto network = trial::LoadAny(weights);
+                                const ClipForm& form, net::Precision precision) {
+  auto network = trial::LoadAny(weights, precision);
   if (!network.ok()) return network.status();
   auto style_of = StylesOf(network.value().model().styles, manifest);
   // Live networks make styles that they do not know of examples.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/net/clip_stylizer.h"
+#include "model/net/kernels/kernel.h"
 #include "model/train/judge/judge_restyler.h"
 
 namespace styled::judge {
@@ -53,6 +54,7 @@ struct AnyStyler {
 // `form` is for clips alone: Style() asks a Styler for either output. Errors name the file.
 Result<AnyStyler> LoadAnyStyler(const std::filesystem::path& weights,
                                 const clip::Manifest& manifest, const stylist::Options& options,
-                                const ClipForm& form);
+                                const ClipForm& form,
+                                net::Precision precision = net::Precision::kFloat32);
 
 }  // namespace styled::judge
