@@ -31,6 +31,7 @@ struct Options {
   double seconds = 4, rate_hz = 120;
   std::vector<std::string> only;
   std::string weights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors", style = "elderly", json;
+  std::string precision = "float32";
   std::string like;  // a clip
 };
 
@@ -289,12 +290,13 @@ void Round(const Options& options, const Variant& variant, Result& result) {
     Measure(options, variant, echo.udp, echo.publish, echo.pid(), "", result);
     return;
   }
-  support::Daemon daemon({"realtime.wait=" + variant.wait,
-                          std::string("realtime.prewarm=") + (variant.prewarm ? "true" : "false"),
-                          "realtime.cpu=" + std::to_string(options.daemon_cpu),
-                          "realtime.priority=" + std::to_string(options.priority),
-                          "performers.max_performers=1024", "style.initial=" + options.style},
-                         "", {}, options.weights);
+  support::Daemon daemon(
+      {"realtime.wait=" + variant.wait,
+       std::string("realtime.prewarm=") + (variant.prewarm ? "true" : "false"),
+       "realtime.cpu=" + std::to_string(options.daemon_cpu),
+       "realtime.priority=" + std::to_string(options.priority), "performers.max_performers=1024",
+       "style.initial=" + options.style, "model.precision=" + options.precision},
+      "", {}, options.weights);
   std::unique_ptr<Examples> examples;
   if (variant.like) {
     examples = std::make_unique<Examples>(daemon.control, options.like, result.like_ms);
@@ -419,6 +421,7 @@ int main(int argc, char** argv) {
   app.add_option("--priority", options.priority, "SCHED_FIFO of the daemon's loop; 0 = normal");
   app.add_option("--only", options.only, "variants by name, e.g. \"styled, block\"; empty: all");
   app.add_option("--weights", options.weights, "weights file");
+  app.add_option("--precision", options.precision, "float32 or bfloat16, of the weights");
   app.add_option("--style", options.style, "in force");
   app.add_option("--like", options.like,
                  "a BVH clip: one more variant, in which a style is made of it every second")
