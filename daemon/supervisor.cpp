@@ -397,7 +397,8 @@ void Supervisor::DoStyleRequests() {
       if (made != nullptr) runtime_config_ = made;
     }
     pipeline::Reload reload{std::move(made), std::move(exchange)};
-    while (!mailboxes_.reloads.Push(std::move(reload))) {  // emptied between frames
+    // A full ring leaves it as it is; it is emptied between frames.
+    while (!mailboxes_.reloads.Push(std::move(reload))) {  // NOLINT(bugprone-use-after-move)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     mailboxes_.wake_pipeline.Signal();

@@ -7,7 +7,7 @@
 #include "clients/cpp/reach.h"
 #include "model/base/status.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): a library's
 class App;
 }
 
