@@ -44,7 +44,12 @@ FrameQueue::Pushed FrameQueue::Add(std::string_view performer, std::string_view 
     ++counts_.refused;
     return Pushed::kRefused;
   }
-  const std::size_t depth = body ? 1 : limits_.depth;
+  // The same body again: the one that waits comes sooner.
+  if (body && !slot->waiting.empty() && slot->waiting.back().payload == message.payload) {
+    return Pushed::kReplaced;
+  }
+  // Of bodies two, or a frame between them would come without its own.
+  const std::size_t depth = body ? 2 : limits_.depth;
   Pushed pushed = Pushed::kQueued;
   while (slot->waiting.size() >= depth || bytes_ + size > limits_.bytes) {
     DropOldest(*slot);

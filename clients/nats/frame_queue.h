@@ -26,7 +26,7 @@ struct QueuedFrame {
 
 // Between the thread that reads ZeroMQ and the one that publishes, which may stand still for
 // seconds. It has a slot for each performer and stream, and one for the body of each. In a slot the
-// newest few frames wait, of a body the newest alone: where it is full, the oldest gives way to the
+// newest few frames wait, of bodies the newest two: where it is full, the oldest gives way to the
 // one that comes, and is counted. Messages go out in the order in which they came, so a body goes
 // before the frames that need it.
 //

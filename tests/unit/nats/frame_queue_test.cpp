@@ -166,16 +166,20 @@ TEST(AudienceTier, IsBounded) {
 TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
   FrameQueue queue("hall.1");
   EXPECT_EQ(queue.PushBody("rig.a", "canonical", "body"), Pushed::kQueued);
-  EXPECT_EQ(queue.PushBody("rig.a", "canonical", "newer"), Pushed::kReplaced);
   EXPECT_EQ(queue.Push("rig.a", "canonical", "frame", 1, 2), Pushed::kQueued);
+  EXPECT_EQ(queue.PushBody("rig.a", "canonical", "body"), Pushed::kReplaced) << "the same again";
+  EXPECT_EQ(queue.PushBody("rig.a", "canonical", "newer"), Pushed::kQueued);
   EXPECT_EQ(queue.counts().replaced, 0U) << "only frames are lost";
   const auto body = Next(queue), frame = Next(queue);
   ASSERT_TRUE(body && frame);
   EXPECT_EQ(body->subject, "styled.hall=2E1.rig=2Ea.canonical.body");
-  EXPECT_EQ(body->payload, "newer");
+  EXPECT_EQ(body->payload, "body");
   EXPECT_TRUE(body->body);
   EXPECT_EQ(frame->subject, "styled.hall=2E1.rig=2Ea.canonical");
   EXPECT_FALSE(frame->body);
+  const auto newer = Next(queue);
+  ASSERT_TRUE(newer);
+  EXPECT_EQ(newer->payload, "newer");
 }
 
 // A frame must not overtake the body that it needs, whatever gives way.
