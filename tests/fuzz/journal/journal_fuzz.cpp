@@ -6,35 +6,22 @@
 // one, so that it is not refused for them.
 #include <google/protobuf/stubs/logging.h>
 
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
 #include "proto/styled/v1/journal.pb.h"
 #include "tests/fuzz/journal/pair.h"
+#include "tests/fuzz/sane_frame.h"
 
 namespace {
 
 using namespace styled;
 
-void Require(bool condition, const char* what) {
-  if (condition) return;
-  std::fprintf(stderr, "not so: %s\n", what);
-  std::abort();
-}
-#define REQUIRE(condition) Require(condition, #condition)
+using fuzz::Require;
 
 void RequireSane(const std::vector<v1::Frame>& frames) {
-  for (const v1::Frame& frame : frames) {
-    for (const float value : frame.root_position()) REQUIRE(std::isfinite(value));
-    REQUIRE(frame.rotations_size() % 4 == 0);
-    for (int i = 0; i < frame.rotations_size(); i += 4) {
-      double length2 = 0;
-      for (int k = 0; k < 4; ++k) length2 += std::pow(frame.rotations(i + k), 2);
-      REQUIRE(std::abs(length2 - 1) < 2e-3);
-    }
-  }
+  for (const v1::Frame& frame : frames) fuzz::RequireSane(frame);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "model/stylist/stylist.h"
 #include "proto/rigs/native/header.h"
 #include "tests/fuzz/pipeline/script.h"
+#include "tests/fuzz/sane_frame.h"
 #include "tests/support/fake_pipeline.h"
 #include "tests/unit/net/erd/random_weights.h"
 
@@ -23,33 +24,10 @@ namespace {
 
 using namespace styled;
 using fuzz::Action;
+using fuzz::Require;
+using fuzz::RequireSane;
 using fuzz::Script;
 using support::Bytes;
-
-void Require(bool condition, const char* what) {
-  if (condition) return;
-  std::fprintf(stderr, "not so: %s\n", what);
-  std::abort();
-}
-#define REQUIRE(condition) Require(condition, #condition)
-
-void RequireSane(const v1::Frame& frame) {
-  for (const float value : frame.root_position()) REQUIRE(std::isfinite(value));
-  REQUIRE(frame.rotations_size() % 4 == 0);
-  for (int i = 0; i < frame.rotations_size(); i += 4) {
-    double length2 = 0;
-    for (int k = 0; k < 4; ++k) length2 += std::pow(frame.rotations(i + k), 2);
-    REQUIRE(std::abs(length2 - 1) < 2e-3);
-  }
-  REQUIRE(frame.props_size() <= 16);
-  for (const v1::Prop& prop : frame.props()) {
-    REQUIRE(prop.position_size() == 3 && prop.rotation_size() == 4 && !prop.name().empty());
-    double length2 = 0;
-    for (const float value : prop.position()) REQUIRE(std::isfinite(value));
-    for (const float value : prop.rotation()) length2 += std::pow(value, 2);
-    REQUIRE(std::abs(length2 - 1) < 2e-3);
-  }
-}
 
 std::shared_ptr<const pipeline::RuntimeConfig> MakeConfig() {
   static const auto live = [] {
