@@ -49,9 +49,12 @@ Result<WeightsLabel> LabelOf(const config::Model& model,
   for (const std::filesystem::path& file : files) {
     const auto hash = recording::HashOfFile(file);
     if (!hash.ok()) return hash.status();
-    const auto bytes = net::ReadFile(file);
-    if (!bytes.ok()) return bytes.status();
-    const std::string rounded = RoundedTo(model, bytes.value());
+    std::string rounded;
+    if (Rounds(model)) {
+      const auto bytes = net::ReadFile(file);
+      if (!bytes.ok()) return bytes.status();
+      rounded = RoundedTo(model, bytes.value());
+    }
     label.names += (label.names.empty() ? "" : "+") + file.filename().string() + rounded;
     label.hashes += (label.hashes.empty() ? "" : "+") + hash.value() + rounded;
   }
