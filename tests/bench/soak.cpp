@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
-#include <numeric>
 
 #include "clients/cpp/subscriber.h"
 #include "tests/e2e/nats/raw_subscribers.h"
