@@ -16,9 +16,9 @@ Roles::Change Roles::Start(Change change) {
     term_ = peer_.term;
   } else {
     role_ = v1::ROLE_LEADING;
-    term_ = claimed         ? term_ + 1
+    term_ = claimed         ? NextTerm(term_)
             : from_nothing_ ? std::max({term_, peer_.term, std::uint64_t{1}})
-                            : std::max(term_, peer_.term) + 1;
+                            : NextTerm(std::max(term_, peer_.term));
   }
   return change;
 }
@@ -27,7 +27,7 @@ void Roles::Age(std::int64_t passed_ns) {
   const std::int64_t before_ns = led_ns_;
   led_ns_ += passed_ns;
   for (const std::int64_t age_ns : kSeniority_ns) {
-    if (from_nothing_ && before_ns < age_ns && led_ns_ >= age_ns) ++term_;
+    if (from_nothing_ && before_ns < age_ns && led_ns_ >= age_ns) term_ = NextTerm(term_);
   }
 }
 
@@ -37,8 +37,11 @@ bool Roles::WinsAtStart(const Peer& peer) const {
 }
 
 Roles::Change Roles::OnPeer(const Peer& peer) {
+  if (peer.term > kMostTerm) return Change::kNone;
   const bool leads = peer.role == v1::ROLE_LEADING;
+  const bool of_pair = IsOfPair(peer);
   peer_ = peer;
+  if (!of_pair) peer_.term = 0;  // of another pair's leadership
   switch (role_) {
     case v1::ROLE_FOLLOWING:
       if (peer.daemon == leader_ && leads) {
@@ -46,17 +49,18 @@ Roles::Change Roles::OnPeer(const Peer& peer) {
         term_ = peer.term;
         return Change::kNone;
       }
-      if (leads) return Start(Change::kFollow);
+      if (leads) return Start(of_pair ? Change::kFollow : Change::kNone);
       // It says goodbye, has just started again, or follows: whom this daemon followed is gone.
-      silence_ns_ = hold_ns_;
+      silence_ns_ = waits_ns_;
       return Change::kNone;
     case v1::ROLE_LEADING: {
-      if (!leads) return Change::kNone;
+      if (!leads || !of_pair) return Change::kNone;
       const bool gives_way = peer.term > term_ || (peer.term == term_ && peer.daemon < daemon_);
       return Start(gives_way ? Change::kFollow : Change::kNone);
     }
     default:
-      if (leads) return Start(Change::kFollow);
+      looks_longer_ = leads && !of_pair;
+      if (leads) return Start(of_pair ? Change::kFollow : Change::kNone);
       if (peer.role == v1::ROLE_LOOKING && WinsAtStart(peer)) return Start(Change::kLead);
       return Change::kNone;
   }
@@ -69,10 +73,11 @@ Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready) {
   last_ns_ = now_ns;
   if (role_ == v1::ROLE_LEADING) Age(std::max<std::int64_t>(passed_ns, 0));
   silence_ns_ += std::clamp<std::int64_t>(passed_ns, 0, hold_ns_ / 4);
-  if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= hold_ns_) {
+  if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= waits_ns_) {
     return Start(ready ? Change::kTakeOver : Change::kLead);
   }
-  if (role_ == v1::ROLE_LOOKING && silence_ns_ >= kLook_ns) return Start(Change::kLead);
+  const std::int64_t look_ns = looks_longer_ ? kLookLonger_ns : kLook_ns;
+  if (role_ == v1::ROLE_LOOKING && silence_ns_ >= look_ns) return Start(Change::kLead);
   return Change::kNone;
 }
 

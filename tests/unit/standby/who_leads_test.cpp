@@ -137,5 +137,75 @@ TEST_F(RolesTest, OfTwoThatNeverHeardOfEachOtherTheLongerShowStays) {
   EXPECT_EQ(fresh.OnPeer(Leading(9, show.term())), Change::kFollow);
 }
 
+// Nobody follows a term that no pair reaches: the next one would wrap around to 0.
+TEST_F(RolesTest, ATermThatNoPairReachesIsIgnored) {
+  EXPECT_EQ(roles.OnPeer(Leading(9, ~std::uint64_t{0})), Change::kNone);
+  EXPECT_EQ(Pass(roles, now_ns, 1100), Change::kLead);
+  for (const std::uint64_t term :
+       {~std::uint64_t{0}, std::uint64_t{1} << 63U, (std::uint64_t{1} << 32U) + 1}) {
+    EXPECT_EQ(roles.OnPeer(Leading(9, term)), Change::kNone);
+    EXPECT_EQ(roles.role(), v1::ROLE_LEADING);
+    EXPECT_EQ(roles.term(), 1U);
+  }
+}
+
+TEST_F(RolesTest, TheHighestTermStaysTheHighest) {
+  EXPECT_EQ(roles.OnPeer(Leading(9, Roles::kMostTerm)), Change::kFollow);
+  roles.OnWish();
+  EXPECT_EQ(roles.said_term(), Roles::kMostTerm);
+  EXPECT_EQ(Pass(roles, now_ns, 200), Change::kTakeOver);
+  EXPECT_EQ(roles.term(), Roles::kMostTerm);
+  Pass(roles, now_ns, 70'000);
+  EXPECT_EQ(roles.term(), Roles::kMostTerm);
+}
+
+// What listens at the peer's address is the daemon of another pair.
+TEST_F(RolesTest, ALeaderThatHearsAThirdDaemonTakesNoLead) {
+  Peer stranger = Leading(3, 9);
+  stranger.hears = 77;
+  EXPECT_EQ(Pass(roles, now_ns, 1100), Change::kLead);
+  EXPECT_EQ(roles.OnPeer(stranger), Change::kNone);
+  EXPECT_EQ(roles.term(), 1U);
+  stranger.hears = 5;  // this one: it is the peer after all
+  EXPECT_EQ(roles.OnPeer(stranger), Change::kFollow);
+}
+
+TEST_F(RolesTest, ADaemonThatStartsDoesNotFollowALeaderThatHearsAThirdOne) {
+  Peer stranger = Leading(3, 9);
+  stranger.hears = 77;
+  Change change = Change::kNone;
+  for (int i = 0; i < 300 && change == Change::kNone; ++i) {
+    EXPECT_EQ(roles.OnPeer(stranger), Change::kNone);
+    change = Pass(roles, now_ns, 10);
+  }
+  EXPECT_EQ(change, Change::kLead);
+  EXPECT_EQ(roles.term(), 1U) << "the stranger's term does not count";
+  EXPECT_LE(now_ns, 2600 * kMs);
+}
+
+// The leader still has its last start in its ears.
+TEST_F(RolesTest, ADaemonThatStartsAgainFollowsOnceItIsHeard) {
+  Peer leader = Leading(3, 9);
+  leader.hears = 4;
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(roles.OnPeer(leader), Change::kNone);
+    EXPECT_EQ(Pass(roles, now_ns, 10), Change::kNone);
+  }
+  leader.hears = 0;
+  EXPECT_EQ(roles.OnPeer(leader), Change::kFollow);
+}
+
+// With another hold_ms, the leader's signs of life come as rarely as its own allows.
+TEST_F(RolesTest, AStandbyWaitsAsLongAsTheLeaderWouldAndHalfASecondAtMost) {
+  for (const auto& [hold_ms, waits_ms] : {std::pair{20, 100}, {300, 300}, {5000, 500}}) {
+    Roles standby(5, false, kHold);
+    std::int64_t standby_ns = 0;
+    standby.SetHoldOfPeer(hold_ms * kMs);
+    EXPECT_EQ(standby.OnPeer(Leading(9, 3)), Change::kFollow);
+    EXPECT_EQ(Pass(standby, standby_ns, waits_ms - 10), Change::kNone) << hold_ms;
+    EXPECT_EQ(Pass(standby, standby_ns, 30), Change::kTakeOver) << hold_ms;
+  }
+}
+
 }  // namespace
 }  // namespace styled::standby
