@@ -28,6 +28,9 @@
 
 namespace styled::pipeline {
 
+// The "checkpoint" of performers who are not here: the number with which their frames may begin.
+inline constexpr const char* kJournalSequences = "*";
+
 // The single thread that processes frames from the datagram's arrival to zmq_send, without a queue
 // in between. When DoWork() finds nothing to do, its caller waits for the transports, the publisher
 // and mailboxes.wake_pipeline, at most until NextDeadline_ns(). From a performer's second frame on
@@ -91,7 +94,7 @@ class Pipeline final : public Worker, public source::Receiver {
     Pipeline& to_;
   };
 
-  // following.cpp: all of it with [standby] only.
+  // journaling.cpp and following.cpp: all of it with [standby] only.
   bool leads() const { return to_.standby == nullptr || to_.standby->leads(); }
   bool journals() const { return to_.standby != nullptr && to_.standby->wanted(); }
   int DoStandby();
