@@ -47,7 +47,7 @@ ROWS = {
                       " model/body",
     "daemon/replay": "daemon/pipeline daemon/source daemon/config daemon/runtime proto model",
     "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
-                      " proto/styled proto/rigs/native model/base",
+                      " proto/styled proto/rigs/native model/base model/body",
     "daemon/pipeline": "daemon/standby daemon/record daemon/publish daemon/source daemon/config daemon/runtime proto"
                        " model",
     "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
