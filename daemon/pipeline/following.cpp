@@ -7,6 +7,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/style_file.h"
 #include "daemon/pipeline/style_requests.h"
+#include "model/base/text.h"
 
 namespace styled::pipeline {
 namespace {
@@ -15,6 +16,9 @@ using Change = standby::Standby::Change;
 
 // Bounds a turn: 64 entries of one performer's frame take about 2 ms.
 constexpr int kEntriesPerTurn = 64;
+// A leader's styles are as many at most.
+constexpr std::size_t kMostStyleRequests = 2048;
+constexpr std::size_t kShownReason = 200;  // bytes of what the leader says
 
 }  // namespace
 
@@ -32,8 +36,9 @@ int Pipeline::DoStandby() {
     OnChange(step.change);
     if (step.entry != nullptr) Repeat(*step.entry, step.own_ns);
   }
-  // Silence is judged only after all that has come was read.
-  if (work < kEntriesPerTurn) OnChange(standby.OnTime());
+  // Whatever else comes in any number: what counts as a sign of the leader's life was seen first.
+  OnChange(standby.OnTime());
+  PassOnStyles();
   work += SendState();
   if (std::string line = standby.PopLine(); !line.empty()) {
     log_.Log(Event::Level::kWarning, "standby: " + line);
@@ -49,6 +54,9 @@ void Pipeline::OnChange(Change change) {
   standby::Standby& standby = *to_.standby;
   to_.mailboxes.stands_by.store(!standby.leads(), std::memory_order_relaxed);
   unsent_.clear();
+  unsent_settings_.clear();
+  style_requests_.clear();
+  imports_.clear();
   silence_.Clear();
   if (change == Change::kFollow) return standby.publisher().Hold();
   standby.held().Expire(roster_.source_names(), to_.clock.Now_ns());
@@ -122,6 +130,12 @@ void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
     case v1::Journal::kBeginning:
       RepeatBeginning(entry);
       break;
+    case v1::Journal::kSettings:
+      RepeatSettings(entry.settings());
+      break;
+    case v1::Journal::kStyle:
+      RepeatStyle(entry.style());
+      break;
     case v1::Journal::kCheckpoint:
       RepeatCheckpoint(entry.checkpoint());
       break;
@@ -134,6 +148,9 @@ void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
     case v1::Journal::kRequest:
       RepeatRequest(entry.request());
       break;
+    case v1::Journal::kTooLarge:
+      to_.standby->Failed("the leader cannot send " + Printable(entry.too_large(), kShownReason));
+      break;
     case v1::Journal::WHAT_NOT_SET:
       break;
   }
@@ -141,41 +158,94 @@ void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
 }
 
 void Pipeline::RepeatBeginning(const v1::Journal& entry) {
-  const v1::Beginning& beginning = entry.beginning();
-  for (const std::string& style : beginning.styles()) ImportMissing(style);
-  auto kept = ParseProfiles(beginning.settings(), "the leader's settings");
+  if (!to_.standby->Begin(entry)) return;
   roster_.Clear(entry.epoch());
-  to_.standby->Begin(beginning, entry);
   to_.standby->configured.clear();
+}
+
+void Pipeline::RepeatSettings(const v1::SettingsPart& part) {
+  if (!to_.standby->fetches()) return;
+  auto kept = ParseProfiles(part.text(), "the leader's settings");
   if (!kept.ok()) return to_.standby->Failed(kept.status().message());
   for (const Profile& profile : kept.value()) to_.standby->configured.insert(profile.id);
   roster_.Restore(std::move(kept.value()));
+  if (!part.last()) return;
+  to_.standby->SettingsRestored(part);
   commands_.MarkChanged();
 }
 
-// A style that the leader has made and this daemon perhaps has not.
-void Pipeline::ImportMissing(const std::string& style) {
+void Pipeline::RepeatStyle(const v1::StylePart& part) {
+  if (!to_.standby->fetches()) return;
+  // Where it is imported first, everything is fetched again afterwards.
+  if (part.file().empty() || !ImportsMissing(part.file())) to_.standby->StyleRestored(part.name());
+}
+
+// A style that the leader has made and this daemon perhaps has not: true, then.
+bool Pipeline::ImportsMissing(const std::string& style) {
   const auto parsed = ParseStyleFile(style, "a style of the leader's", roster_.config());
-  if (!parsed.ok()) return to_.standby->Failed(parsed.status().message());
+  if (!parsed.ok()) {
+    to_.standby->Failed(parsed.status().message());
+    return true;
+  }
   const auto here = roster_.config().made.find(parsed.value().name);
-  const bool same = here != roster_.config().made.end() &&
-                    FormatStyleFile(*here->second, roster_.config()) == style;
-  // Asked for twice, it would get a second place among the styles.
-  if (!same && std::ranges::count(imports_, style) == 0) Import(style);
+  if (here != roster_.config().made.end() &&
+      FormatStyleFile(*here->second, roster_.config()) == style) {
+    return false;
+  }
+  Import(style);
+  return true;
 }
 
 void Pipeline::Import(const std::string& style) {
-  auto exchange = std::make_unique<Exchange>();
-  exchange->request.mutable_import_style()->set_file(style);
-  exchange->request.mutable_import_style()->set_replace(true);
-  exchange->followed = true;
-  // What finds it full comes with the state that is fetched after one of the others.
-  if (!to_.mailboxes.takes.Push(std::move(exchange))) return;
+  // Asked for twice, it would get a second place among the styles.
+  if (std::ranges::count(imports_, style) != 0) return;
   imports_.push_back(style);
-  to_.mailboxes.wake_supervisor.Signal();
+  v1::Request request;
+  request.mutable_import_style()->set_file(style);
+  request.mutable_import_style()->set_replace(true);
+  FollowStyles(std::move(request));
+}
+
+// What the leader did to styles, for the supervisor.
+void Pipeline::FollowStyles(v1::Request request) {
+  if (style_requests_.size() >= kMostStyleRequests) {
+    return to_.standby->Failed("more than " + std::to_string(kMostStyleRequests) +
+                               " changes of styles wait");
+  }
+  style_requests_.push_back(std::move(request));
+  PassOnStyles();
+}
+
+void Pipeline::PassOnStyles() {
+  while (!style_requests_.empty()) {
+    auto exchange = std::make_unique<Exchange>();
+    exchange->request.Swap(&style_requests_.front());
+    exchange->followed = true;
+    if (!to_.mailboxes.takes.Push(std::move(exchange))) {       // a full ring leaves it as it is
+      return style_requests_.front().Swap(&exchange->request);  // NOLINT(bugprone-use-after-move)
+    }
+    style_requests_.pop_front();
+    ++followed_;
+    to_.mailboxes.wake_supervisor.Signal();
+  }
+}
+
+// The supervisor did one of them, or could not. Once all are done, everything is fetched again; at
+// once only if it can succeed.
+void Pipeline::StylesFollowed(const Exchange& exchange) {
+  --followed_;
+  std::erase(imports_, exchange.request.import_style().file());
+  if (exchange.reply.code() != v1::CODE_OK) {
+    follow_failed_ = true;
+    to_.standby->Failed(exchange.reply.reason());
+  }
+  PassOnStyles();
+  if (followed_ > 0) return;
+  if (!std::exchange(follow_failed_, false)) to_.standby->Refetch();
 }
 
 void Pipeline::RepeatCheckpoint(const v1::Checkpoint& checkpoint) {
+  if (!to_.standby->fetches()) return;
   const std::string& id = checkpoint.performer();
   if (id == kJournalSequences) roster_.BeginSequencesAt(checkpoint.sequence());
   if (checkpoint.version() == 0) return to_.standby->Restored(id);
@@ -214,8 +284,7 @@ void Pipeline::RepeatBatch(const v1::Batch& batch, std::int64_t own_ns) {
   for (std::size_t i = 0; i < count; ++i) {
     if (decided[i].fate != v1::FATE_STYLED && outcomes_[i].fate != v1::FATE_STYLED) continue;
     if (roster_.Find(static_cast<int>(batch.source()), frames[i].performer) == nullptr) continue;
-    to_.standby->Compared(decided[i].fate == outcomes_[i].fate &&
-                          decided[i].styled_crc == outcomes_[i].styled_crc);
+    to_.standby->Compared(standby::Compare(outcomes_[i], decided[i]));
   }
 }
 
@@ -237,16 +306,13 @@ void Pipeline::RepeatSilence(const v1::Silence& silence, std::int64_t own_ns) {
 
 void Pipeline::RepeatRequest(const v1::Request& request) {
   if (request.has_import_style()) return Import(request.import_style().file());
-  if (IsStyleRequest(request)) {  // the supervisor does it, and the state is fetched again then
-    auto exchange = std::make_unique<Exchange>();
-    exchange->request = request;
-    exchange->followed = true;
-    if (to_.mailboxes.takes.Push(std::move(exchange))) to_.mailboxes.wake_supervisor.Signal();
-    return;
-  }
+  if (IsStyleRequest(request)) return FollowStyles(request);
   v1::Reply reply;
   Answer(request, reply);
-  if (reply.code() != v1::CODE_OK) return to_.standby->Failed(reply.reason());
+  if (reply.code() != v1::CODE_OK) {
+    // While the state comes, of somebody whose part of it comes later.
+    return to_.standby->fetches() ? void() : to_.standby->Failed(reply.reason());
+  }
   if (to_.recorder != nullptr) to_.recorder->OnRequest(to_.clock.Now_ns(), request, reply);
 }
 

@@ -188,9 +188,14 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   }
   if (to_.standby != nullptr) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      standby::Outcome& outcome = outcomes_[static_cast<std::size_t>(accepted_items_[i])];
+      const auto at = static_cast<std::size_t>(accepted_items_[i]);
+      standby::Outcome& outcome = outcomes_[at];
       outcome.published = batch[i]->profile.next_sequence - 1;
       outcome.styled_crc = batch[i]->StyledCrc();
+      const body::Pose* const pose = batch[i]->styled();
+      if (pose == nullptr) continue;
+      rounded_poses_[at] = standby::Rounded(*pose);
+      outcome.rounded_pose = std::as_bytes(std::span(&rounded_poses_[at], 1));
     }
   }
   stages_.AddFrames(batch.size());

@@ -2,53 +2,107 @@
 // and on demand its state. The other one repeats it (following.cpp).
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/setup.h"
 #include "daemon/pipeline/style_file.h"
 
 namespace styled::pipeline {
+namespace {
 
-// A checkpoint a turn, so that no frame waits for all of them.
+// In one part of the state. Each may have the calibration of a rig of many joints, 10 kB of text.
+constexpr std::size_t kSettingsPerPart = 16;
+
+}  // namespace
+
+void Pipeline::TellSetup() {
+  if (to_.standby != nullptr) to_.standby->SetSetup(SetupOf(roster_.config(), source_settings_));
+}
+
+// A part a turn, so that no frame waits for all of them. Who asks meanwhile waits for the end.
 int Pipeline::SendState() {
-  standby::Standby& standby = *to_.standby;
-  const bool asked = standby.TakeAsked();
-  if (!leads()) return 0;
-  if (asked || std::exchange(tells_all_, false)) {
-    const auto kept = roster_.Snapshot();
-    v1::Beginning& beginning = *standby.NewEntry().mutable_beginning();
-    beginning.set_settings(FormatProfiles(*kept));
-    unsent_ = {kJournalSequences};
-    beginning.add_performers(kJournalSequences);
-    for (const auto& performer : roster_.performers) {
-      unsent_.push_back(performer->profile.id);
-      beginning.add_performers(performer->profile.id);
-    }
-    const auto& styles = roster_.config().network->model().styles;
-    for (auto i = static_cast<std::size_t>(roster_.config().own_styles); i < styles.size(); ++i) {
-      const auto made = roster_.config().made.find(styles[i].name);
-      if (made == roster_.config().made.end()) continue;
-      beginning.add_styles(FormatStyleFile(*made->second, roster_.config()));
-    }
-    standby.SetEpoch(roster_.epoch());
-    standby.Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
-    return 1;
-  }
-  if (unsent_.empty()) return 0;
-  v1::Request request;
-  request.set_performer(unsent_.front());
-  request.mutable_take_checkpoint();
-  v1::Reply reply;
-  if (unsent_.front() == kJournalSequences) {
-    reply.set_code(v1::CODE_UNKNOWN_PERFORMER);
+  const int read = to_.standby->DoSubscriptions();
+  if (!leads()) return read;
+  if (!unsent_.empty()) {
+    SendPart();
+  } else if (to_.standby->PopAsked() || tells_all_) {
+    SendBeginning();
   } else {
-    Answer(request, reply);
+    return read;
   }
-  v1::Checkpoint& checkpoint = *standby.NewEntry().mutable_checkpoint();
-  if (unsent_.front() == kJournalSequences) checkpoint.set_sequence(roster_.FirstSequence());
-  // A performer who is gone, or waits for a calibration, has no checkpoint: the name alone is sent.
-  if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
-  checkpoint.set_performer(unsent_.front());
+  to_.standby->Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
+  return read + 1;
+}
+
+void Pipeline::SendBeginning() {
+  v1::Beginning& beginning = *to_.standby->NewEntry().mutable_beginning();
+  beginning.set_changed(std::exchange(tells_all_, false));
+  to_.standby->SetEpoch(roster_.epoch());
+  if (roster_.to_come.configured) unsent_settings_.push_back(roster_.to_come.id);
+  for (const auto& [id, profile] : roster_.profiles) {
+    if (profile->configured) unsent_settings_.push_back(id);
+  }
+  unsent_.push_back({Part::Kind::kSettings, {}});
+  const auto& styles = roster_.config().network->model().styles;
+  for (auto i = static_cast<std::size_t>(roster_.config().own_styles); i < styles.size(); ++i) {
+    if (!roster_.config().made.contains(styles[i].name)) continue;
+    beginning.add_styles(styles[i].name);
+    unsent_.push_back({Part::Kind::kStyle, styles[i].name});
+  }
+}
+
+void Pipeline::SendPart() {
+  const Part part = std::move(unsent_.front());
   unsent_.pop_front();
-  standby.Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
-  return 1;
+  v1::Journal& entry = to_.standby->NewEntry();
+  switch (part.kind) {
+    case Part::Kind::kSettings:
+      return FillSettings(*entry.mutable_settings());
+    case Part::Kind::kStyle:
+      return FillStyle(part.name, *entry.mutable_style());
+    case Part::Kind::kCheckpoint:
+      return FillCheckpoint(part.name, *entry.mutable_checkpoint());
+  }
+}
+
+// Performers who come behind the last part find their settings at the standby.
+void Pipeline::FillSettings(v1::SettingsPart& part) {
+  std::vector<Profile> profiles;
+  while (!unsent_settings_.empty() && profiles.size() < kSettingsPerPart) {
+    auto saved = roster_.SavedOf(unsent_settings_.front());
+    unsent_settings_.pop_front();
+    if (saved) profiles.push_back(std::move(*saved));
+  }
+  part.set_text(FormatProfiles(profiles));
+  part.set_last(unsent_settings_.empty());
+  if (!part.last()) return unsent_.push_front({Part::Kind::kSettings, {}});
+  unsent_.push_back({Part::Kind::kCheckpoint, kJournalSequences});
+  part.add_performers(kJournalSequences);
+  for (const auto& performer : roster_.performers) {
+    unsent_.push_back({Part::Kind::kCheckpoint, performer->profile.id});
+    part.add_performers(performer->profile.id);
+  }
+}
+
+void Pipeline::FillStyle(const std::string& name, v1::StylePart& part) {
+  part.set_name(name);
+  const auto made = roster_.config().made.find(name);
+  if (made == roster_.config().made.end()) return;
+  part.set_file(FormatStyleFile(*made->second, roster_.config()));
+}
+
+void Pipeline::FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoint) {
+  if (id == kJournalSequences) {
+    checkpoint.set_sequence(roster_.FirstSequence());
+  } else {
+    v1::Request request;
+    request.set_performer(id);
+    request.mutable_take_checkpoint();
+    v1::Reply reply;
+    Answer(request, reply);
+    // A performer who is gone, or waits for a calibration, has no checkpoint: the name alone is
+    // sent.
+    if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
+  }
+  checkpoint.set_performer(id);
 }
 
 void Pipeline::JournalFrames(int source, std::span<const source::SourceFrame> frames) {

@@ -2,6 +2,7 @@
 
 #include "daemon/pipeline/calibration.h"
 #include "daemon/pipeline/checkpoints.h"
+#include "daemon/pipeline/setup.h"
 
 namespace styled::pipeline {
 namespace {
@@ -28,6 +29,13 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
   rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
             Nanoseconds(roster_.config().performers.clock_back_s)};
   roster_.Age(to_.clock.Now_ns());
+  TellSetup();
+}
+
+void Pipeline::SetLayers(const std::vector<config::Source>& sources) {
+  layers_.Set(sources);
+  source_settings_ = SettingsOf(sources);
+  TellSetup();
 }
 
 int Pipeline::DoWork() {
@@ -148,12 +156,7 @@ int Pipeline::DoReloads() {
     return 1;
   }
   if (reload.exchange->followed) {
-    imports_.clear();
-    if (done) {
-      to_.standby->Refetch();
-    } else {  // it is fetched again, but not at once
-      to_.standby->Failed(reload.exchange->reply.reason());
-    }
+    StylesFollowed(*reload.exchange);
     return 1;
   }
   Return(std::move(reload.exchange));
@@ -166,6 +169,7 @@ void Pipeline::TakeOver(std::shared_ptr<const RuntimeConfig> config, bool reload
   }
   rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
             Nanoseconds(roster_.config().performers.clock_back_s)};
+  TellSetup();
   if (to_.recorder != nullptr && reloaded) {
     to_.recorder->OnNote(to_.clock.Now_ns(), "reloaded: weights " + roster_.config().weights_name);
   }

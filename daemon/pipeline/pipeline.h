@@ -52,7 +52,7 @@ class Pipeline final : public Worker, public source::Receiver {
   // The settings of the last run. Call before the first DoWork.
   void Restore(std::vector<Profile> profiles) { roster_.Restore(std::move(profiles)); }
   // The configured sources, of which some are merged into performers. Call before the first DoWork.
-  void SetLayers(const std::vector<config::Source>& sources) { layers_.Set(sources); }
+  void SetLayers(const std::vector<config::Source>& sources);
   // The configured types, for status. Call before the first DoWork.
   void SetSourceTypes(std::vector<std::string> types) { stats_.SetSourceTypes(std::move(types)); }
   // Call after the last cycle. Returns the settings if a change of them found the mailbox full,
@@ -102,18 +102,29 @@ class Pipeline final : public Worker, public source::Receiver {
   void GoOn();
   void FeedBodies(bool of_all);
   void Feed(const std::unordered_map<std::string, std::size_t>& from);
+  void TellSetup();
   int SendState();
+  void SendBeginning();
+  void SendPart();
+  void FillSettings(v1::SettingsPart& part);
+  void FillStyle(const std::string& name, v1::StylePart& part);
+  void FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoint);
   void JournalFrames(int source, std::span<const source::SourceFrame> frames);
   void JournalSilence(std::int64_t now_ns);
   void JournalRequest(const v1::Request& request, const v1::Reply& reply);
   void Repeat(const v1::Journal& entry, std::int64_t own_ns);
   void RepeatBeginning(const v1::Journal& entry);
+  void RepeatSettings(const v1::SettingsPart& part);
+  void RepeatStyle(const v1::StylePart& part);
   void RepeatCheckpoint(const v1::Checkpoint& checkpoint);
   void RepeatBatch(const v1::Batch& batch, std::int64_t own_ns);
   void RepeatSilence(const v1::Silence& silence, std::int64_t own_ns);
   void RepeatRequest(const v1::Request& request);
-  void ImportMissing(const std::string& style);
+  bool ImportsMissing(const std::string& style);
   void Import(const std::string& style);
+  void FollowStyles(v1::Request request);
+  void PassOnStyles();
+  void StylesFollowed(const Exchange& exchange);
   bool RefusesOrders(Exchange& exchange);
   bool DoesLead(Exchange& exchange);
 
@@ -174,9 +185,23 @@ class Pipeline final : public Worker, public source::Receiver {
   std::span<const standby::Outcome> decided_;
   bool feeds_ = false;  // what was held is handled: no frame of it is passed over
   v1::Silence silence_;
-  std::vector<std::string> imports_;  // styles of the leader's that the supervisor imports now
-  bool tells_all_ = false;            // the standby gets everything anew
-  std::deque<std::string> unsent_;    // ids of performers whose checkpoints the standby waits for
+  std::vector<v1::Setting> source_settings_;  // of the [[source]] tables, for the other daemon
+  // What the leader did to styles and the supervisor repeats: what waits for room in the mailbox;
+  // how much is in it; styles of the leader's among both; whether one failed since all was done.
+  std::deque<v1::Request> style_requests_;
+  int followed_ = 0;
+  std::vector<std::string> imports_;
+  bool follow_failed_ = false;
+  bool tells_all_ = false;  // the standby gets everything anew
+  // What the standby still gets of the state, a part a turn.
+  struct Part {
+    enum class Kind : std::uint8_t { kSettings, kStyle, kCheckpoint };
+    Kind kind = Kind::kSettings;
+    std::string name;  // a style's, or a performer's id
+  };
+  std::deque<Part> unsent_;
+  std::deque<std::string> unsent_settings_;                         // ids, of the parts kSettings
+  std::array<standby::RoundedPose, source::kBatch> rounded_poses_;  // of the batch's frames
   Stages stages_;
   Stats stats_;
   EventLog log_;

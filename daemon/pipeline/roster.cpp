@@ -240,8 +240,12 @@ void Roster::Restore(std::vector<Profile> kept) {
   for (auto& profile : kept) {
     profile.configured = true;
     profile.next_sequence = first_sequence_;
+    Profile* const known = FindProfile(profile.id);
+    Performer* const live = known == nullptr ? nullptr : LiveOf(*known);
     if (profile.id == "*") {
       to_come = std::move(profile);
+    } else if (live != nullptr) {
+      RestoreLive(*live, profile);
     } else if (profiles.size() < max_profiles()) {
       const std::string id = profile.id;
       profiles[id] = std::make_unique<Profile>(std::move(profile));
@@ -249,16 +253,36 @@ void Roster::Restore(std::vector<Profile> kept) {
   }
 }
 
+void Roster::RestoreLive(Performer& performer, Profile& saved) {
+  Profile& profile = performer.profile;
+  profile.look = std::move(saved.look);
+  profile.rest = std::move(saved.rest);
+  profile.pinned = saved.pinned;
+  profile.has_come = saved.has_come;
+  profile.configured = true;
+  (void)performer.ApplyLook(*config_);  // styles that are gone were told when they went
+}
+
 std::unique_ptr<std::vector<Profile>> Roster::Snapshot() const {
   auto kept = std::make_unique<std::vector<Profile>>();
   if (to_come.configured) kept->push_back(to_come);
   for (const auto& [id, profile] : profiles) {
-    if (!profile->configured) continue;
-    kept->push_back(*profile);
-    kept->back().has_come = HasCome(*profile);
-    if (LiveOf(*profile) != nullptr) kept->back().absent_hours = 0;
+    if (profile->configured) kept->push_back(Saved(*profile));
   }
   return kept;
+}
+
+Profile Roster::Saved(const Profile& profile) const {
+  Profile saved = profile;
+  saved.has_come = HasCome(profile);
+  if (LiveOf(profile) != nullptr) saved.absent_hours = 0;
+  return saved;
+}
+
+std::optional<Profile> Roster::SavedOf(const std::string& id) const {
+  const Profile* const profile = id == "*" ? &to_come : FindProfile(id);
+  if (profile == nullptr || !profile->configured) return std::nullopt;
+  return id == "*" ? *profile : Saved(*profile);
 }
 
 std::vector<std::string> Roster::Apply(std::shared_ptr<const RuntimeConfig> config) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -62,10 +63,12 @@ class Roster {
   // Where the sequences of performers who come from now on begin: beyond all that were used.
   std::uint64_t FirstSequence() const;
   void BeginSequencesAt(std::uint64_t sequence);
-  // The saved settings of the last run ("*" among them).
+  // The saved settings of the last run ("*" among them). Performers who are live go on, with these.
   void Restore(std::vector<Profile> profiles);
   // The settings to save: configured profiles and, as "*", those for future performers.
   std::unique_ptr<std::vector<Profile>> Snapshot() const;
+  // One of these, as it is saved; null: it is not.
+  std::optional<Profile> SavedOf(const std::string& id) const;
 
   // Counts the hours, and removes expired profiles. Call about once a second; it acts once an hour.
   // Allocates.
@@ -96,6 +99,8 @@ class Roster {
   void InitializeToCome();
   bool ForgetFrameless(std::int64_t now_ns);
   bool HasCome(const Profile& profile) const;
+  Profile Saved(const Profile& profile) const;
+  void RestoreLive(Performer& performer, Profile& saved);
   void NoteCome(Profile& profile);
   // Frees one profile's place for an arriving performer; false if none can be replaced.
   bool MakeRoom(const std::string& comer);

@@ -13,8 +13,6 @@ namespace {
 // message of its own of about 1.5 kB, fill it in 10 s and 30 MB. What exceeds it is lost, and the
 // reader then fetches the whole state.
 constexpr int kQueue = 20'000;
-// Checkpoints of performers are the longest messages: 64 KiB and more.
-constexpr std::int64_t kMaxBytes = std::int64_t{16} << 20;
 
 class ZmqChannel final : public Channel {
  public:
@@ -28,20 +26,24 @@ class ZmqChannel final : public Channel {
     (void)zmq_send(publisher_.get(), message.data(), message.size(), ZMQ_DONTWAIT);
   }
   bool Receive(std::string& message) override {
+    bool whole = true;
     while (zmq_msg_recv(&message_, subscriber_.get(), ZMQ_DONTWAIT) >= 0) {
-      if (zmq_msg_more(&message_) != 0) continue;  // only the last part counts; there is one
-      message.assign(static_cast<const char*>(zmq_msg_data(&message_)), zmq_msg_size(&message_));
+      if (zmq_msg_more(&message_) != 0) {  // its other parts are there, too
+        whole = false;
+        continue;
+      }
+      // A journal's messages have one part. Another is handed on empty, which no entry is.
+      message.assign(static_cast<const char*>(zmq_msg_data(&message_)),
+                     whole ? zmq_msg_size(&message_) : 0);
       return true;
     }
     return false;
   }
-  bool TakeAsked() override {
-    bool asked = false;
-    while (zmq_msg_recv(&message_, publisher_.get(), ZMQ_DONTWAIT) >= 0) {
-      asked = asked || (zmq_msg_size(&message_) > 0 &&
-                        *static_cast<const char*>(zmq_msg_data(&message_)) == 1);
-    }
-    return asked;
+  Subscription NextSubscription() override {
+    if (zmq_msg_recv(&message_, publisher_.get(), ZMQ_DONTWAIT) < 0) return Subscription::kNone;
+    const bool began =
+        zmq_msg_size(&message_) > 0 && *static_cast<const char*>(zmq_msg_data(&message_)) == 1;
+    return began ? Subscription::kBegan : Subscription::kEnded;
   }
   // By a topic on which nothing is ever published: to subscribe to everything anew would lose the
   // messages in between.
@@ -80,7 +82,9 @@ Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
   subscriber.Set(ZMQ_RCVHWM, kQueue);
   subscriber.Set(ZMQ_LINGER, 0);
   subscriber.Set(ZMQ_RECONNECT_IVL, 100);
-  subscriber.Set(ZMQ_MAXMSGSIZE, kMaxBytes);
+  // What listens at the peer's address and is no ZeroMQ is left, and tried again.
+  subscriber.Set(ZMQ_HANDSHAKE_IVL, 1000);
+  subscriber.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxMessageBytes));
   // A machine that is gone without a word is noticed by its silence; its connection ends, too.
   subscriber.Set(ZMQ_HEARTBEAT_IVL, 1000);
   subscriber.Set(ZMQ_HEARTBEAT_TIMEOUT, 3000);

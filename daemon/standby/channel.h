@@ -12,23 +12,35 @@
 
 namespace styled::standby {
 
+// The largest message. Checkpoints are 64 KiB and more, a made style or a request up to some MiB. A
+// reader cuts the connection on which a larger one comes, and could not tell that from a leader
+// that is gone: so no daemon sends one.
+inline constexpr std::size_t kMaxMessageBytes = std::size_t{16} << 20U;
+
 // The way between two daemons: what this one says, and what the other one says. Messages keep their
 // order; those that find a queue full are lost. Pipeline thread; no call blocks.
 class Channel {
  public:
+  enum class Subscription : std::uint8_t { kNone, kBegan, kEnded };
+
   virtual ~Channel() = default;
+  // At most max_bytes() at once.
   virtual void Send(std::span<const std::byte> message) noexcept = 0;
-  // The next message of the other daemon; false when there is none.
+  virtual std::size_t max_bytes() const { return kMaxMessageBytes; }
+  // The next message from the other daemon's address; false when there is none. Whoever is there
+  // may have sent it.
   virtual bool Receive(std::string& message) = 0;
-  // True once after the other daemon began to listen, or asked for everything anew.
-  virtual bool TakeAsked() = 0;
-  // Asks the other daemon for everything anew: its TakeAsked() becomes true.
+  // The next of the subscriptions to this daemon's messages. One begins when the other daemon
+  // connects, and when it asks for everything anew; anybody else may subscribe, too.
+  virtual Subscription NextSubscription() = 0;
+  // Asks the other daemon for everything anew: a subscription begins there.
   virtual void Ask() = 0;
 };
 
 // A Channel over ZeroMQ: an XPUB socket bound at `address`, and a SUB socket connected to `peer`.
 // To ask is to subscribe to one more topic. `endpoint` receives the bound address. `fds` receives
-// descriptors that are readable when Receive or TakeAsked may find something; edge-triggered.
+// descriptors that are readable when Receive or NextSubscription may find something;
+// edge-triggered.
 struct Opened {
   std::unique_ptr<Channel> channel;
   std::string endpoint;

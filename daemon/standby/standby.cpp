@@ -1,12 +1,23 @@
 #include "daemon/standby/standby.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
+#include <string_view>
 #include <utility>
+
+#include "model/base/text.h"
 
 namespace styled::standby {
 namespace {
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+// A clock that no machine has, and a number of messages that no daemon reaches: 146 years of
+// nanoseconds.
+constexpr std::int64_t kMostTime_ns = std::int64_t{1} << 62U;
+constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62U;
+// Around those of [standby] hold_ms, 20 ms to 5 s, which are rounded.
+constexpr std::uint64_t kLeastHold_ns = 10'000'000, kMostHold_ns = 10'000'000'000;
 // A daemon of whom nothing was heard for so long does not listen.
 constexpr std::int64_t kHeard_ns = 1'000'000'000;
 // The answer to Ask comes with the leader's next turn.
@@ -14,10 +25,48 @@ constexpr std::int64_t kAnswer_ns = 1'000'000'000;
 // Signs of life per hold: one may be lost to a turn that takes long.
 constexpr int kBeats = 5;
 // However long the hold: the other daemon is to be heard within kHeard_ns, and before it leads
-// alone.
+// alone (Roles::kLongestWait_ns).
 constexpr std::int64_t kLongestBeat_ns = 200'000'000;
 // Clocks drift apart by 20 microseconds a second and more.
 constexpr std::int64_t kWindow_ns = 10'000'000'000;
+// The whole state is sent so many times at once, as a standby needs that has just started and
+// imports styles, and then once in this time: whoever subscribes again and again takes no more of
+// the leader's time.
+constexpr int kStatesAtOnce = 3;
+constexpr std::int64_t kStateEvery_ns = 1'000'000'000;
+// A standby that connects and asks makes two in a second.
+constexpr int kUsualAsks = 10;
+constexpr std::int64_t kSetupEvery_ns = 1'000'000'000;
+constexpr const char* kOtherPair =
+    "that daemon hears another one than this: expected its standby.peer to be this one's "
+    "standby.address";
+constexpr std::size_t kQuoted = 80;  // bytes of a value of the other daemon's that is shown
+constexpr std::size_t kMostDiffers = 16, kShownDiffers = 3;
+// Awaited beside performers, whose ids contain a dot, "*" and styles.
+constexpr const char* kSettings = "settings";
+constexpr const char* kNobody = "";
+
+std::string OfStyle(const std::string& name) { return "style " + name; }
+
+// What an entry is about, for messages.
+std::string TitleOf(const v1::Journal& entry) {
+  switch (entry.what_case()) {
+    case v1::Journal::kBatch:
+      return "frames of source " + Printable(entry.batch().name(), kQuoted);
+    case v1::Journal::kRequest:
+      return "a request for " + Printable(entry.request().performer(), kQuoted);
+    case v1::Journal::kCheckpoint:
+      return "the state of " + Printable(entry.checkpoint().performer(), kQuoted);
+    case v1::Journal::kStyle:
+      return "style \"" + Printable(entry.style().name(), kQuoted) + "\"";
+    case v1::Journal::kSettings:
+      return "settings of performers";
+    case v1::Journal::kBeginning:
+      return "the list of made styles";
+    default:
+      return "a message";
+  }
+}
 
 const char* Name(v1::Role role) {
   switch (role) {
@@ -52,8 +101,46 @@ Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config
       clock_(clock),
       publisher_(publisher, clock),
       roles_(daemon, config.first, runtime::Nanoseconds(config.hold_s)),
-      epoch_(daemon) {
+      epoch_(daemon),
+      setup_said_ns_(clock.Now_ns() - kSetupEvery_ns),
+      next_state_ns_(clock.Now_ns() - kStateEvery_ns * (kStatesAtOnce - 1)) {
   publisher_.Hold();
+}
+
+void Standby::SetSetup(v1::Setup setup) {
+  setup_ = std::move(setup);
+  v1::Setting& hold = *setup_.add_settings();
+  hold.set_name("standby.hold_ms");
+  hold.set_value(NumberText(config_.hold_s * 1000, 3));
+  setup_said_ns_ = Now_ns() - kSetupEvery_ns;
+  CompareSetups();
+}
+
+void Standby::CompareSetups() {
+  differs_.clear();
+  if (!peer_setup_known_) return;
+  std::map<std::string_view, std::string_view> there;
+  for (const v1::Setting& setting : peer_setup_.settings()) {
+    there.emplace(setting.name(), setting.value());
+  }
+  const auto add = [this](std::string_view name, const std::string& how) {
+    if (differs_.size() < kMostDiffers) differs_.push_back(Printable(name, kQuoted) + ": " + how);
+  };
+  for (const v1::Setting& here : setup_.settings()) {
+    const auto found = there.find(here.name());
+    const std::string value = Printable(here.value(), kQuoted) + " here, ";
+    if (found == there.end()) {
+      add(here.name(), value + "none there");
+      continue;
+    }
+    if (found->second != here.value()) {
+      add(here.name(), value + Printable(found->second, kQuoted) + " there");
+    }
+    there.erase(found);
+  }
+  for (const auto& [name, value] : there) {
+    add(name, "none here, " + Printable(value, kQuoted) + " there");
+  }
 }
 
 Standby::Change Standby::Note(Change change) {
@@ -63,7 +150,8 @@ Standby::Change Standby::Note(Change change) {
     case Change::kFollow:
       line_ = "standby of " + config_.peer + ", which leads";
       sync_ = Sync::kNone;
-      has_part_ = false;
+      has_part_ = asking_ = gap_ = false;
+      apart_of_last_.reset();
       Refetch();
       break;
     case Change::kTakeOver:
@@ -71,56 +159,109 @@ Standby::Change Standby::Note(Change change) {
       line_ = "leads from here on, in the place of " + config_.peer;
       sync_ = Sync::kNone;
       break;
-    case Change::kLead:
-      line_ = "leads";
+    case Change::kLead: {
+      const std::string why = WhyNot();
+      line_ = sync_ == Sync::kNone ? "leads" : "leads, although it was not ready: " + why;
       sync_ = Sync::kNone;
       break;
+    }
   }
   if (change != Change::kNone) why_not_.clear();
   return change;
 }
 
+std::string Standby::Read() {
+  if (!in_.ParseFromString(bytes_) || bytes_.empty()) {
+    return "it is no entry of a journal: is it a daemon's standby.address?";
+  }
+  if (in_.version() != kVersion) {
+    return "it is of another version of the journal, " + std::to_string(in_.version()) +
+           ": both daemons must be of one, " + std::to_string(kVersion);
+  }
+  if (in_.now_ns() < 0 || in_.now_ns() > kMostTime_ns || in_.wall_ns() < 0 ||
+      in_.wall_ns() > kMostTime_ns) {
+    return "its times are impossible";
+  }
+  if (in_.daemon() == daemon_) {
+    return "standby.peer is this daemon itself, expected the other one";
+  }
+  if (in_.daemon() == 0 || in_.number() == 0 || in_.number() > kMostNumber) {
+    return "its sender or number is impossible";
+  }
+  if (in_.role() < v1::ROLE_LOOKING || in_.role() > v1::ROLE_LEAVING) {
+    return "its role is " + std::to_string(in_.role()) + ", which no daemon has";
+  }
+  if (in_.term() > Roles::kMostTerm) {
+    return "its term is " + std::to_string(in_.term()) + ", expected at most " +
+           std::to_string(Roles::kMostTerm);
+  }
+  if (in_.hold_ns() < kLeastHold_ns || in_.hold_ns() > kMostHold_ns) {
+    return "its hold_ms is impossible";
+  }
+  return "";
+}
+
+// It may come from whoever has the peer's address now, so nothing here depends on it.
+void Standby::Refuse(std::string why) {
+  ++refused_;
+  refused_why_ = std::move(why);
+  complaint_ = "a message from " + config_.peer + " is ignored: " + refused_why_;
+}
+
+// The other daemon may have heard the last start of this one: only what lasts is told.
+void Standby::NotePair(const Peer& peer, std::int64_t now_ns) {
+  if (roles_.IsOfPair(peer)) {
+    stranger_ns_ = 0;
+  } else if (stranger_ns_ == 0) {
+    stranger_ns_ = now_ns;
+  } else if (now_ns - stranger_ns_ >= Roles::kLookLonger_ns) {
+    Refuse(kOtherPair);
+  }
+}
+
+void Standby::MeasureClock(std::int64_t now_ns) {
+  if (in_.daemon() != heard_daemon_) best_ahead_ns_ = in_.now_ns() - now_ns;
+  best_ahead_ns_ = std::max(best_ahead_ns_, in_.now_ns() - now_ns);
+  if (now_ns - window_ns_ < kWindow_ns) return;
+  if (sync_ == Sync::kReady && window_ns_ != 0) ahead_ns_ = best_ahead_ns_;
+  best_ahead_ns_ = in_.now_ns() - now_ns;
+  window_ns_ = now_ns;
+}
+
 bool Standby::Next(Step& step) {
   step = Step();
   if (!channel_->Receive(bytes_)) return false;
-  if (!in_.ParseFromString(bytes_)) {
-    Failed(config_.peer + " says what is no entry of a journal: is it a daemon's standby.address?");
-    return true;
-  }
-  if (in_.version() != kVersion) {
-    Failed(config_.peer + " speaks another version of the journal: both daemons must be of one");
-    return true;
-  }
-  // A clock that no machine has: 146 years, in either direction.
-  constexpr std::int64_t kMost_ns = std::int64_t{1} << 62;
-  if (in_.now_ns() < 0 || in_.now_ns() > kMost_ns || in_.wall_ns() < 0) {
-    Failed(config_.peer + " says impossible times");
-    return true;
-  }
-  if (in_.daemon() == daemon_) {
-    Failed("standby.peer " + config_.peer + " is this daemon itself, expected the other one");
+  if (std::string why = Read(); !why.empty()) {
+    Refuse(std::move(why));
     return true;
   }
   const std::int64_t now_ns = Now_ns();
-  heard_ns_ = now_ns;
-  timed_ = true;
+  heard_ns_ = listened_ns_ = now_ns;
+  heard_ = listens_ = true;
+  MeasureClock(now_ns);
   const bool goes_on = in_.daemon() == heard_daemon_ && in_.number() == heard_number_ + 1;
-  if (in_.daemon() != heard_daemon_) best_ahead_ns_ = in_.now_ns() - now_ns;
-  best_ahead_ns_ = std::max(best_ahead_ns_, in_.now_ns() - now_ns);
+  if (in_.daemon() != heard_daemon_) peer_setup_known_ = false;
   heard_daemon_ = in_.daemon();
   heard_number_ = in_.number();
-  if (now_ns - window_ns_ >= kWindow_ns) {
-    if (sync_ == Sync::kReady && window_ns_ != 0) ahead_ns_ = best_ahead_ns_;
-    best_ahead_ns_ = in_.now_ns() - now_ns;
-    window_ns_ = now_ns;
+  if (in_.has_setup()) {
+    peer_setup_known_ = true;
+    peer_setup_.Swap(in_.mutable_setup());
+    CompareSetups();
   }
+  const Peer peer{in_.daemon(), in_.role(), in_.term(), in_.first(), in_.hears()};
+  NotePair(peer, now_ns);
+  if (roles_.IsOfPair(peer)) roles_.SetHoldOfPeer(static_cast<std::int64_t>(in_.hold_ns()));
   const bool led = leads();
-  const Change change = roles_.OnPeer({in_.daemon(), in_.role(), in_.term(), in_.first()});
+  const Change change = roles_.OnPeer(peer);
   // Whoever takes the lead has everything of this daemon's journal first.
   if (led && change == Change::kFollow) SayGoodbye();
   step.change = Note(change);
   if (roles_.role() != v1::ROLE_FOLLOWING || step.change != Change::kNone) return true;
-  if (!goes_on && sync_ != Sync::kAsked) Refetch();
+  if (in_.daemon() != roles_.leader()) return true;
+  if (!goes_on && sync_ != Sync::kAsked) {
+    gap_ = true;
+    Refetch();
+  }
   const bool begins = in_.has_beginning();
   if (begins || sync_ == Sync::kFetching || sync_ == Sync::kReady) step.entry = &in_;
   if (begins) ahead_ns_ = best_ahead_ns_;
@@ -130,23 +271,22 @@ bool Standby::Next(Step& step) {
 
 Standby::Change Standby::OnTime() {
   const std::int64_t now_ns = Now_ns();
-  const Change change = Note(roles_.OnTime(now_ns, ready()));
+  const bool was_ready = ready();
+  const Change change = Note(roles_.OnTime(now_ns, was_ready));
   if (change != Change::kNone || now_ns - said_ns_ >= beat_ns_) {
     (void)NewEntry();
     Send(now_ns, clock_.base().Wall_ns());
   }
-  const bool late = sync_ == Sync::kAsked && now_ns - asked_ns_ >= kAnswer_ns;
-  const bool stuck = sync_ == Sync::kFetching && now_ns - asked_ns_ >= kAgain_ns;
-  if (late || stuck) Refetch();
+  const bool late = asking_ && now_ns - asked_ns_ >= kAnswer_ns;
+  const bool stuck = (sync_ == Sync::kFetching || (sync_ == Sync::kReady && !why_not_.empty())) &&
+                     now_ns - asked_ns_ >= kAgain_ns;
+  if (roles_.role() == v1::ROLE_FOLLOWING && (late || stuck)) Refetch();
   return change;
 }
 
 std::string Standby::Wish() {
   if (leads()) return "";
-  if (!ready()) {
-    return "this daemon does not have the state of all performers" +
-           (why_not_.empty() ? "; expected one that follows" : ": " + why_not_);
-  }
+  if (!ready()) return "this daemon would not go on as the leader does: " + WhyNot();
   roles_.OnWish();
   (void)NewEntry();
   Send(Now_ns(), clock_.base().Wall_ns());
@@ -162,7 +302,7 @@ void Standby::SayGoodbye() {
   Send(Now_ns(), clock_.base().Wall_ns());
 }
 
-bool Standby::wanted() const { return leads() && timed_ && Now_ns() - heard_ns_ < kHeard_ns; }
+bool Standby::wanted() const { return leads() && listens_ && Now_ns() - listened_ns_ < kHeard_ns; }
 
 v1::Journal& Standby::NewEntry() {
   out_.Clear();
@@ -171,6 +311,7 @@ v1::Journal& Standby::NewEntry() {
 }
 
 void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
+  const std::int64_t sent_ns = Now_ns();
   out_.set_version(kVersion);
   out_.set_daemon(daemon_);
   out_.set_epoch(epoch_);
@@ -179,35 +320,101 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   out_.set_number(++number_);
   out_.set_now_ns(now_ns);
   out_.set_wall_ns(wall_ns);
+  out_.set_hears(heard_ && sent_ns - heard_ns_ < kHeard_ns ? heard_daemon_ : 0);
+  out_.set_hold_ns(static_cast<std::uint64_t>(roles_.hold_ns()));
+  if (out_.has_beginning()) too_large_.clear();
+  if (out_.has_beginning() || sent_ns - setup_said_ns_ >= kSetupEvery_ns) {
+    *out_.mutable_setup() = setup_;
+    setup_said_ns_ = sent_ns;
+  }
+  if (const std::size_t bytes = out_.ByteSizeLong(); bytes > channel_->max_bytes()) {
+    NameTooLarge(bytes);
+  }
   out_.SerializeToString(&bytes_);
   channel_->Send(std::as_bytes(std::span(bytes_)));
-  said_ns_ = Now_ns();
+  said_ns_ = sent_ns;
 }
 
-bool Standby::TakeAsked() {
-  if (channel_->TakeAsked()) {
-    asked_ = timed_ = true;
-    heard_ns_ = Now_ns();  // it listens, although what it says may not come yet
+void Standby::NameTooLarge(std::size_t bytes) {
+  too_large_ = TitleOf(out_) + ": " + std::to_string(bytes) +
+               " bytes for the standby, expected at most " + std::to_string(channel_->max_bytes());
+  out_.set_too_large(too_large_);
+  out_.clear_setup();
+  complaint_ = config_.peer + " cannot stand in: " + too_large_;
+}
+
+int Standby::DoSubscriptions() {
+  const std::int64_t now_ns = Now_ns();
+  int read = 0;
+  for (; read < kSubscriptionsPerTurn; ++read) {
+    const Channel::Subscription next = channel_->NextSubscription();
+    if (next == Channel::Subscription::kNone) break;
+    if (next == Channel::Subscription::kEnded) continue;
+    // It listens, although what it says may not come yet. Who has not listened before has not heard
+    // the setup.
+    if (!listens_ || now_ns - listened_ns_ >= kHeard_ns) setup_said_ns_ = now_ns - kSetupEvery_ns;
+    listened_ns_ = now_ns;
+    listens_ = true;
+    ++asked_count_;
+    if (std::exchange(asked_, true)) ++asked_too_often_;
+    ++asks_;
   }
-  return leads() && std::exchange(asked_, false);
+  if (now_ns - asks_window_ns_ >= kStateEvery_ns) {
+    if (asks_ > kUsualAsks) {
+      complaint_ = "the journal was subscribed to " + std::to_string(asks_) +
+                   " times in a second, expected once by " + config_.peer +
+                   ": who else connects to standby.address?";
+    }
+    asks_ = 0;
+    asks_window_ns_ = now_ns;
+  }
+  return read;
+}
+
+bool Standby::PopAsked() {
+  const std::int64_t now_ns = Now_ns();
+  if (!leads() || !asked_ || now_ns < next_state_ns_) return false;
+  const std::int64_t saved_ns = kStateEvery_ns * (kStatesAtOnce - 1);
+  next_state_ns_ = std::max(next_state_ns_, now_ns - saved_ns) + kStateEvery_ns;
+  asked_ = false;
+  return true;
+}
+
+bool Standby::ready() const {
+  return sync_ == Sync::kReady && !gap_ && why_not_.empty() && stranger_ns_ == 0 &&
+         peer_setup_known_ && differs_.empty() && apart_of_last_.count() <= kMostApart;
 }
 
 void Standby::Refetch() {
-  asked_ns_ = Now_ns();
+  const std::int64_t now_ns = Now_ns();
+  if (asking_ && now_ns - asked_ns_ < kAnswer_ns) return;
+  asked_ns_ = now_ns;
+  asking_ = true;
   if (sync_ != Sync::kReady) sync_ = Sync::kAsked;
   channel_->Ask();
 }
 
-void Standby::Begin(const v1::Beginning& beginning, const v1::Journal& entry) {
+bool Standby::Begin(const v1::Journal& entry) {
+  if (sync_ == Sync::kReady && !asking_ && !entry.beginning().changed()) return false;
   ++fetched_;
-  has_part_ = true;
   epoch_ = entry.epoch();
   asked_ns_ = Now_ns();
+  asking_ = gap_ = false;
   why_not_.clear();
-  awaited_ = {beginning.performers().begin(), beginning.performers().end()};
-  sync_ = awaited_.empty() ? Sync::kReady : Sync::kFetching;
+  awaited_ = {kSettings};
+  for (const std::string& style : entry.beginning().styles()) awaited_.insert(OfStyle(style));
+  sync_ = Sync::kFetching;
   last.clear();
+  return true;
 }
+
+void Standby::SettingsRestored(const v1::SettingsPart& part) {
+  has_part_ = true;
+  awaited_.insert(part.performers().begin(), part.performers().end());
+  Restored(kSettings);
+}
+
+void Standby::StyleRestored(const std::string& name) { Restored(OfStyle(name)); }
 
 void Standby::Restored(const std::string& performer) {
   awaited_.erase(performer);
@@ -215,39 +422,69 @@ void Standby::Restored(const std::string& performer) {
 }
 
 void Standby::Failed(std::string why) {
-  if (sync_ == Sync::kReady) {
-    sync_ = Sync::kFetching;
-    awaited_.insert("");  // nobody: it ends with the next fetch, in kAgain_ns
-    asked_ns_ = Now_ns();
+  const bool was_ready = sync_ == Sync::kReady;
+  if (why != why_not_) {
+    why_not_ = std::move(why);
+    complaint_ = "cannot stand in: " + why_not_;
   }
-  if (why == why_not_) return;
-  why_not_ = std::move(why);
-  complaint_ = "cannot stand in: " + why_not_;
+  if (!was_ready) return;
+  sync_ = Sync::kFetching;
+  awaited_.insert(
+      kNobody);  // it ends with the next fetch: at once, or kAgain_ns after the last one
+  if (Now_ns() - asked_ns_ >= kAgain_ns) Refetch();
 }
 
-void Standby::Compared(bool same) {
+void Standby::Compared(Comparison comparison) {
+  if (sync_ != Sync::kReady || gap_) return;
+  const bool apart = comparison == Comparison::kApart;
   ++compared_;
-  if (same) return;
-  ++different_;
-  if (sync_ == Sync::kReady && Now_ns() - asked_ns_ >= kAgain_ns) Refetch();
+  different_ += comparison == Comparison::kSame ? 0 : 1;
+  apart_ += apart ? 1 : 0;
+  apart_of_last_[compared_at_] = apart;
+  compared_at_ = (compared_at_ + 1) % kWindow;
+  if (apart && Now_ns() - asked_ns_ >= kAgain_ns) Refetch();
+}
+
+std::string Standby::WhyNot() const {
+  if (roles_.role() == v1::ROLE_LOOKING) return "it looks whether the other one leads";
+  if (!why_not_.empty()) return why_not_;
+  if (stranger_ns_ != 0) return kOtherPair;
+  if (!differs_.empty()) {
+    std::string text = "it is set up otherwise than the leader: ";
+    for (std::size_t i = 0; i < std::min(differs_.size(), kShownDiffers); ++i) {
+      text += (i == 0 ? "" : "; ") + differs_[i];
+    }
+    if (differs_.size() > kShownDiffers) {
+      text += "; and " + std::to_string(differs_.size() - kShownDiffers) + " more";
+    }
+    return text;
+  }
+  if (apart_of_last_.count() > kMostApart) {
+    return std::to_string(apart_of_last_.count()) + " of the last " + std::to_string(kWindow) +
+           " poses came out otherwise than the leader's";
+  }
+  return "the state is being fetched";
 }
 
 void Standby::Describe(v1::StandbyState& state) const {
   state.set_role(Name(roles_.role()));
   state.set_peer(config_.peer);
-  state.set_heard(timed_ && Now_ns() - heard_ns_ < kHeard_ns);
+  state.set_heard(heard_ && Now_ns() - heard_ns_ < kHeard_ns);
   state.set_peer_role(Name(roles_.peer().role));
   state.set_term(roles_.term());
   state.set_ready(ready());
-  state.set_why_not(why_not_);
-  if (why_not_.empty() && !leads() && !ready()) {
-    state.set_why_not(roles_.role() == v1::ROLE_LOOKING ? "it looks whether the other one leads"
-                                                        : "the state is being fetched");
-  }
+  if (!leads() && !ready()) state.set_why_not(WhyNot());
   state.set_compared(compared_);
   state.set_different(different_);
   state.set_fetched(fetched_);
   state.set_takeovers(takeovers_);
+  state.set_apart(apart_);
+  for (const std::string& differs : differs_) state.add_differs(differs);
+  state.set_refused(refused_);
+  state.set_refused_why(refused_why_);
+  state.set_asked(asked_count_);
+  state.set_asked_too_often(asked_too_often_);
+  state.set_too_large(too_large_);
 }
 
 }  // namespace styled::standby

@@ -149,11 +149,11 @@ void Performer::Prewarm() noexcept {
 }
 
 std::uint32_t Performer::StyledCrc() const noexcept {
-  if (!styling_ || !styling_->has_output()) return 0;
-  const body::Pose& pose = styling_->out().canonical;
+  const body::Pose* const pose = styled();
+  if (pose == nullptr) return 0;
   const std::uint32_t hips =
-      native::Crc32c(std::as_bytes(std::span(pose.hips_position_m.data(), 3)));
-  return native::Crc32c(std::as_bytes(std::span(pose.rotations))) ^ std::rotl(hips, 1);
+      native::Crc32c(std::as_bytes(std::span(pose->hips_position_m.data(), 3)));
+  return native::Crc32c(std::as_bytes(std::span(pose->rotations))) ^ std::rotl(hips, 1);
 }
 
 bool Performer::Repeat(FrameContext context) noexcept {

@@ -91,6 +91,10 @@ class Performer {
 
   // CRC-32C of the last styled pose on the canonical body; 0 before the first.
   STYLED_REALTIME std::uint32_t StyledCrc() const noexcept;
+  // That pose; null before the first.
+  const body::Pose* styled() const noexcept {
+    return styling_ && styling_->has_output() ? &styling_->out().canonical : nullptr;
+  }
 
   // The performer's last pose as captured, and its time in the session; null before the first.
   const body::Pose* input() const noexcept {

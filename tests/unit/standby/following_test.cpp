@@ -380,11 +380,13 @@ TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
     e.mutable_batch()->mutable_frames(0)->set_rotations(rotations);
   });
   say([](v1::Journal& e) { e.mutable_checkpoint()->set_version(77); });
-  say([](v1::Journal& e) { e.mutable_beginning()->set_settings("[[[ no table"); });
-  say([](v1::Journal& e) { e.mutable_beginning()->add_styles("no style"); });
+  say([](v1::Journal& e) { e.mutable_beginning()->set_changed(true); });
+  say([](v1::Journal& e) { e.mutable_settings()->set_text("[[[ no table"); });
+  say([](v1::Journal& e) { e.mutable_style()->set_file("no style"); });
+  say([](v1::Journal& e) { e.set_too_large(std::string(1000, '\n')); });
   say([](v1::Journal& e) { e.mutable_silence()->add_stale()->set_performer("rig.nobody"); });
   say([](v1::Journal& e) { e.mutable_request()->mutable_set()->set_strength(1e30F); });
-  say([](v1::Journal& e) { e.set_version(2); });
+  say([](v1::Journal& e) { e.set_version(1); });
   say([](v1::Journal& e) { e.set_daemon(9); });
   wire_.to_b.emplace_back("no message at all");
   Turn(10);

@@ -17,21 +17,29 @@ namespace styled::support {
 struct Wire {
   std::deque<std::string> to_a, to_b;
   bool a_asked = false, b_asked = false;
+  int a_subscriptions = 0;  // of somebody else, at a
   bool cut = false;
+  // The reader cuts the wire when a larger message comes, as libzmq does.
+  std::size_t max_bytes = standby::kMaxMessageBytes;
   int lose = 0;                                 // so many messages
   std::function<void(const std::string&)> spy;  // on what goes to b
+  std::function<void(const std::string&)> spy_on_b;
+  std::function<void(v1::Journal&)> change;  // what goes to b
 };
 
 class WireEnd final : public standby::Channel {
  public:
   WireEnd(Wire& wire, bool is_a) : wire_(wire), is_a_(is_a) {}
   void Send(std::span<const std::byte> message) noexcept override {
+    if (message.size() > wire_.max_bytes) wire_.cut = true;
     if (wire_.cut || (wire_.lose > 0 && wire_.lose-- > 0)) return;
-    if (is_a_ && wire_.spy) {
-      wire_.spy({reinterpret_cast<const char*>(message.data()), message.size()});
+    std::string sent(reinterpret_cast<const char*>(message.data()), message.size());
+    if (const auto& spy = is_a_ ? wire_.spy : wire_.spy_on_b) spy(sent);
+    if (v1::Journal entry; is_a_ && wire_.change && entry.ParseFromString(sent)) {
+      wire_.change(entry);
+      sent = entry.SerializeAsString();
     }
-    (is_a_ ? wire_.to_b : wire_.to_a)
-        .emplace_back(reinterpret_cast<const char*>(message.data()), message.size());
+    (is_a_ ? wire_.to_b : wire_.to_a).push_back(std::move(sent));
   }
   bool Receive(std::string& message) override {
     auto& inbox = is_a_ ? wire_.to_a : wire_.to_b;
@@ -40,7 +48,13 @@ class WireEnd final : public standby::Channel {
     inbox.pop_front();
     return true;
   }
-  bool TakeAsked() override { return std::exchange(is_a_ ? wire_.a_asked : wire_.b_asked, false); }
+  std::size_t max_bytes() const override { return wire_.max_bytes; }
+  Subscription NextSubscription() override {
+    if (std::exchange(is_a_ ? wire_.a_asked : wire_.b_asked, false)) return Subscription::kBegan;
+    if (!is_a_ || wire_.a_subscriptions == 0) return Subscription::kNone;
+    --wire_.a_subscriptions;
+    return Subscription::kBegan;
+  }
   void Ask() override {
     if (!wire_.cut) (is_a_ ? wire_.b_asked : wire_.a_asked) = true;
   }
@@ -87,9 +101,9 @@ class Node {
       : Node(wire, is_a, id, start_ns, std::move(config), std::vector{subscription}, first) {}
   Node(Wire& wire, bool is_a, std::uint64_t id, std::int64_t start_ns,
        std::shared_ptr<const pipeline::RuntimeConfig> config,
-       const std::vector<std::string>& subscriptions, bool first = false) {
+       const std::vector<std::string>& subscriptions, bool first = false,
+       config::Standby settings = {}) {
     clock.now_ns = start_ns;
-    config::Standby settings;
     settings.peer = "the other";
     settings.first = first;
     standby = std::make_unique<standby::Standby>(std::make_unique<WireEnd>(wire, is_a), settings,
@@ -107,6 +121,8 @@ class Node {
     }
   }
 
+  // One turn; returns how much it did.
+  int Step() { return pipeline_->DoWork(); }
   void Work() {
     while (pipeline_->DoWork() > 0) {
     }

@@ -1,0 +1,394 @@
+// How a standby gets the leader's state, and when it says that it is not the leader's: size and
+// pace of the state, settings that differ, poses that differ.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+
+#include "daemon/pipeline/placing.h"
+#include "daemon/pipeline/style_file.h"
+#include "daemon/pipeline/style_requests.h"
+#include "model/net/load.h"
+#include "tests/unit/net/stgcn_causal/random_weights.h"
+#include "tests/unit/standby/pair_test.h"
+
+namespace styled::support {
+namespace {
+
+class StateTest : public PairTest {
+ protected:
+  // Weights whose styles can be made, with `count` made ones, of a source of so many bytes each.
+  static std::shared_ptr<pipeline::RuntimeConfig> WithStyles(int count, std::size_t bytes) {
+    auto config = MakeConfig();
+    auto network = net::Parse(stgcn_causal::RandomWeights(5, 16, 3).Bytes(), "random");
+    EXPECT_TRUE(network.ok());
+    config->network = std::move(network.value());
+    config->own_styles = static_cast<int>(config->network->model().styles.size());
+    config->weights_hash = "crc32c:00001234";
+    for (int i = 0; i < count; ++i) {
+      pipeline::MadeStyle style;
+      style.name = "made" + std::to_string(i);
+      style.code = config->network->space()->MakeCode({.sources = {{.style = 1 + i % 4}}});
+      style.source = std::string(bytes, 'x');
+      EXPECT_TRUE(pipeline::PutStyle(std::move(style), *config).ok());
+    }
+    return config;
+  }
+  // The two as a and b, of which b perhaps lacks styles.
+  void Begin(std::shared_ptr<pipeline::RuntimeConfig> leaders,
+             std::shared_ptr<const pipeline::RuntimeConfig> standbys) {
+    config_ = leaders;
+    a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, leaders, kTopics);
+    Turn(1200);
+    b_running_ = standbys;
+    StartB(standbys);
+  }
+  // What the supervisor does at b.
+  void SuperviseB(int ms) {
+    for (int i = 0; i < ms; ++i) {
+      std::unique_ptr<pipeline::Exchange> exchange;
+      while (b_->mailboxes.takes.Pop(exchange)) {
+        auto made = requests_.Do(*b_running_, *exchange);
+        if (made != nullptr) b_running_ = made;
+        ASSERT_TRUE(b_->mailboxes.reloads.Push({std::move(made), std::move(exchange)}));
+        b_->Work();
+      }
+      Turn(1);
+    }
+  }
+  // Entries of a kind that a has sent to b from now on.
+  void Count(v1::Journal::WhatCase kind) {
+    counted_ = 0;
+    wire_.spy = [this, kind](const std::string& message) {
+      v1::Journal entry;
+      largest_ = std::max(largest_, message.size());
+      if (entry.ParseFromString(message) && entry.what_case() == kind) ++counted_;
+    };
+  }
+  // All files of the made styles.
+  static std::size_t BytesOf(const pipeline::RuntimeConfig& config) {
+    std::size_t bytes = 0;
+    for (const auto& [name, style] : config.made) {
+      bytes += pipeline::FormatStyleFile(*style, config).size();
+    }
+    return bytes;
+  }
+  // One leads and one follows.
+  void ExpectOneLeads() {
+    EXPECT_EQ(a_->State().role(), "leading");
+    EXPECT_EQ(b_->State().role(), "following");
+  }
+
+  pipeline::StyleRequests requests_;
+  std::shared_ptr<const pipeline::RuntimeConfig> b_running_;
+  int counted_ = 0;
+  std::size_t largest_ = 0;
+};
+
+// The reader would cut the wire at a larger message, and both would lead for good.
+TEST_F(StateTest, StylesComeOneAMessage) {
+  wire_.max_bytes = 20'000;
+  Count(v1::Journal::kStyle);
+  Begin(WithStyles(60, 200), WithStyles(0, 0));
+  SuperviseB(3000);
+  ExpectOneLeads();
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+  EXPECT_EQ(b_running_->made.size(), 60U);
+  EXPECT_EQ(b_running_->network->model().styles.size(), config_->network->model().styles.size());
+  EXPECT_GE(counted_, 60);
+  EXPECT_LE(b_->State().fetched(), 3U) << "all are imported, and then the state is fetched once";
+  EXPECT_LT(largest_, 20'000U);
+  EXPECT_GT(BytesOf(*config_), 40'000U) << "the control: together they would not fit";
+}
+
+TEST_F(StateTest, AStyleThatNoMessageHoldsIsNamedInsteadAndOneLeads) {
+  wire_.max_bytes = 20'000;
+  Begin(WithStyles(1, 30'000), WithStyles(0, 0));
+  Send(rig_.Body());
+  Frames(200);
+  ExpectOneLeads();
+  EXPECT_FALSE(wire_.cut);
+  const v1::StandbyState standby = b_->State();
+  EXPECT_FALSE(standby.ready());
+  EXPECT_NE(standby.why_not().find("made0"), std::string::npos) << standby.why_not();
+  EXPECT_NE(a_->State().too_large().find("made0"), std::string::npos);
+  const auto lines = a_->Lines();
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
+    return line.find("cannot stand in: style \"made0\": 3") != std::string::npos;
+  })) << testing::PrintToString(lines);
+}
+
+TEST_F(StateTest, ARequestThatNoMessageHoldsIsNamedInstead) {
+  StartB();
+  PairTest::Begin();
+  Frames(10);
+  v1::Request take, restore;
+  take.set_performer("rig.a");
+  restore.set_performer("rig.a");
+  take.mutable_take_checkpoint();
+  *restore.mutable_restore_checkpoint()->mutable_checkpoint() = a_->Ask(take).checkpoint();
+  wire_.max_bytes = restore.ByteSizeLong() / 2;
+  ASSERT_EQ(a_->Ask(restore).code(), v1::CODE_OK);
+  Turn(10);
+  ExpectOneLeads();
+  EXPECT_FALSE(wire_.cut);
+  EXPECT_NE(b_->State().why_not().find("a request for rig.a"), std::string::npos)
+      << b_->State().why_not();
+}
+
+TEST_F(StateTest, SettingsComeInParts) {
+  for (int i = 0; i < 200; ++i) {
+    v1::Request request;
+    request.set_performer("rig.p" + std::to_string(i));
+    request.mutable_set()->set_strength(0.25F);
+    ASSERT_EQ(a_->Ask(request).code(), v1::CODE_OK);
+  }
+  Count(v1::Journal::kSettings);
+  wire_.max_bytes = 20'000;
+  StartB();
+  ExpectOneLeads();
+  EXPECT_FALSE(wire_.cut);
+  EXPECT_GE(counted_, 200 / 16);
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+  a_.reset();
+  Turn(300);
+  v1::Request status;
+  status.mutable_status();
+  const v1::Stats stats = b_->Ask(status).status().stats();
+  EXPECT_EQ(stats.standby().role(), "leading");
+  ASSERT_EQ(stats.performers_size(), 200);
+  for (const auto& row : stats.performers()) {
+    EXPECT_EQ(row.look().strength(), 0.25F) << row.performer();
+  }
+}
+
+// Frames go on while the parts come, and a performer comes between them.
+TEST_F(StateTest, APerformerWhoComesWhileTheStateComesHasTheirSettings) {
+  for (const char* const id : {"rig.a", "rig.b", "rig.c"}) {
+    v1::Request request;
+    request.set_performer(id);
+    request.mutable_set()->set_strength(0.5F);
+    ASSERT_EQ(a_->Ask(request).code(), v1::CODE_OK);
+  }
+  b_ = std::make_unique<Node>(wire_, false, 9, 77'000'000'000, config_, kTopics);
+  wire_.a_asked = true;
+  PairTest::Begin();
+  Frames(30);
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+  EXPECT_EQ(b_->State().different(), 0U);
+  EXPECT_GT(b_->State().compared(), 10U);
+}
+
+// Whoever connects may ask; it costs the leader no more than once a second, and the standby
+// nothing.
+TEST_F(StateTest, HoweverOftenItIsAskedTheLeaderSendsItsStateOnceASecond) {
+  StartB();
+  PairTest::Begin();
+  Frames(125);
+  ASSERT_TRUE(b_->State().ready());
+  const auto fetched = b_->State().fetched();
+  Count(v1::Journal::kBeginning);
+  bool stays_ready = true;
+  for (int second = 0; second < 5; ++second) {
+    for (int i = 0; i < 125; ++i) {
+      wire_.a_subscriptions += 8;
+      Frames(1);
+      stays_ready = stays_ready && b_->State().ready();
+    }
+  }
+  EXPECT_LE(counted_, 3 + 5);
+  EXPECT_GE(counted_, 5) << "asked for in earnest, it must come";
+  EXPECT_TRUE(stays_ready);
+  EXPECT_EQ(b_->State().fetched(), fetched);
+  EXPECT_EQ(b_->State().different(), 0U);
+  const v1::StandbyState state = a_->State();
+  EXPECT_GE(state.asked(), 5000U);
+  EXPECT_GE(state.asked_too_often(), 4900U);
+  const auto lines = a_->Lines();
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
+    return line.find("who else connects to standby.address?") != std::string::npos;
+  })) << testing::PrintToString(lines);
+}
+
+TEST_F(StateTest, AThousandSubscriptionsAtOnceTakeMoreThanOneTurn) {
+  wire_.a_subscriptions = 1000;
+  (void)a_->Step();
+  EXPECT_GE(wire_.a_subscriptions, 900);
+  Turn(20);
+  EXPECT_EQ(wire_.a_subscriptions, 0);
+}
+
+// Settings: what decides poses differs, so that they would come out otherwise after a takeover.
+TEST_F(StateTest, AStandbyWhoseFeetDifferIsNotReadyAndBothSayWhy) {
+  auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
+  other->stylist.feet = false;
+  StartB(other);
+  const auto expect_named = [&] {
+    const v1::StandbyState state = b_->State();
+    EXPECT_FALSE(state.ready());
+    EXPECT_NE(state.why_not().find("model.feet: false here, true there"), std::string::npos)
+        << state.why_not();
+    ASSERT_EQ(a_->State().differs_size(), 1);
+    EXPECT_EQ(a_->State().differs(0), "model.feet: true here, false there");
+  };
+  expect_named();  // before any performer
+  PairTest::Begin();
+  Frames(61);
+  expect_named();
+  v1::Request lead;
+  lead.mutable_lead();
+  EXPECT_EQ(b_->Ask(lead).code(), v1::CODE_NOT_READY);
+  a_.reset();  // alone it leads all the same, and goes on
+  Frames(60);
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_EQ(b_->State().takeovers(), 0U);
+  EXPECT_EQ(b_->publisher.frames.back().sequence(), 121U);
+  EXPECT_EQ(b_->publisher.frames.back().epoch(), 5U);
+  const auto lines = b_->Lines();
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
+    return line.find("leads, although it was not ready: it is set up otherwise") !=
+           std::string::npos;
+  })) << testing::PrintToString(lines);
+}
+
+TEST_F(StateTest, WeightsOfAnotherPrecisionAreSeenBeforeAnyPerformer) {
+  auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
+  other->weights_crc = 0x4321;
+  StartB(other);
+  EXPECT_FALSE(b_->State().ready());
+  EXPECT_NE(b_->State().why_not().find("weights: crc32c:00004321 here, crc32c:00001234 there"),
+            std::string::npos)
+      << b_->State().why_not();
+}
+
+TEST_F(StateTest, AReloadThatMakesThemTheSameMakesItReady) {
+  auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
+  other->performers.stale_s = 1;
+  StartB(other);
+  ASSERT_FALSE(b_->State().ready());
+  (void)b_->mailboxes.reloads.Push({config_, nullptr});
+  Turn(1500);
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+  EXPECT_EQ(a_->State().differs_size(), 0);
+  auto changed = std::make_shared<pipeline::RuntimeConfig>(*config_);
+  changed->stylist.knees = false;
+  (void)a_->mailboxes.reloads.Push({changed, nullptr});
+  Turn(10);
+  EXPECT_NE(b_->State().why_not().find("model.knees"), std::string::npos);
+}
+
+// Poses: nothing that is compared beforehand differs, and yet they do.
+TEST_F(StateTest, PosesThatAreApartMakeItUnready) {
+  auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
+  other->network = erd::RandomStylizer(5, 4);
+  StartB(other);
+  PairTest::Begin();
+  Wear(*a_, "style2", 0);
+  Frames(60);
+  const v1::StandbyState state = b_->State();
+  EXPECT_GT(state.apart(), 20U);
+  EXPECT_FALSE(state.ready());
+  EXPECT_NE(state.why_not().find("poses came out otherwise"), std::string::npos) << state.why_not();
+}
+
+// As on a processor of another make.
+TEST_F(StateTest, PosesThatDifferInTheirLastBitsAreCountedAndItStaysReady) {
+  wire_.change = [](v1::Journal& entry) {
+    if (!entry.has_batch()) return;
+    for (v1::Handled& frame : *entry.mutable_batch()->mutable_frames()) {
+      frame.set_styled_crc(frame.styled_crc() ^ 1U);
+    }
+  };
+  StartB();
+  PairTest::Begin();
+  Frames(100);
+  const auto fetched = b_->State().fetched();
+  Frames(2000);  // longer than the state is fetched again where poses are apart
+  const v1::StandbyState state = b_->State();
+  EXPECT_EQ(state.different(), state.compared());
+  EXPECT_GE(state.compared(), 2000U);
+  EXPECT_EQ(state.apart(), 0U);
+  EXPECT_TRUE(state.ready()) << state.why_not();
+  EXPECT_EQ(state.fetched(), fetched);
+}
+
+// The same in earnest: with the instructions of a lesser processor, which round otherwise.
+TEST_F(StateTest, WithOtherInstructionsThanTheLeadersItStaysReady) {
+  const auto targets = hwy::SupportedAndGeneratedTargets();
+  if (targets.size() < 2) GTEST_SKIP() << "one kind of instructions only";
+  const auto choose = [](std::int64_t target) {  // 0: as usual
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  };
+  choose(targets.back());
+  const auto other = MakeConfig();
+  choose(0);
+  StartB(other);
+  PairTest::Begin();
+  Wear(*a_, "style2", 300);
+  Frames(1200);
+  const v1::StandbyState state = b_->State();
+  EXPECT_GT(state.different(), 100U) << "the control: they do round otherwise";
+  EXPECT_EQ(state.apart(), 0U);
+  EXPECT_TRUE(state.ready()) << state.why_not();
+}
+
+TEST_F(StateTest, SixPosesOfSixHundredMayBeApartAndSevenNot) {
+  int apart = 6;
+  wire_.change = [&apart](v1::Journal& entry) {
+    if (!entry.has_batch() || apart == 0) return;
+    for (v1::Handled& frame : *entry.mutable_batch()->mutable_frames()) {
+      if (frame.is_body()) continue;
+      frame.set_styled_crc(frame.styled_crc() ^ 1U);
+      frame.mutable_rounded_pose()->assign(frame.rounded_pose().size(), '\x01');
+      --apart;
+    }
+  };
+  StartB();
+  PairTest::Begin();
+  Frames(50);
+  EXPECT_EQ(b_->State().apart(), 6U);
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+  apart = 1;
+  Frames(10);
+  EXPECT_EQ(b_->State().apart(), 7U);
+  EXPECT_FALSE(b_->State().ready());
+  Frames(600);
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+}
+
+// With another hold_ms, the leader's signs of life come more rarely than the standby's hold.
+TEST_F(StateTest, AnotherHoldIsSaidAndNobodyTakesOver) {
+  config::Standby slow;
+  slow.hold_s = 5;
+  a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics, false, slow);
+  Turn(1200);
+  StartB();
+  Turn(5000);
+  ExpectOneLeads();
+  EXPECT_EQ(b_->State().takeovers(), 0U);
+  EXPECT_NE(b_->State().why_not().find("standby.hold_ms: 100 here, 5000 there"), std::string::npos)
+      << b_->State().why_not();
+}
+
+// The least and the most that the configuration allows are no impossible ones to the other daemon.
+TEST_F(StateTest, EveryHoldThatIsAllowedIsHeard) {
+  for (const float hold_s : {0.02F, 0.0333F, 1.7F, 5.0F}) {
+    config::Standby settings;
+    settings.hold_s = hold_s;
+    wire_ = Wire();
+    a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics, false,
+                                settings);
+    b_ = nullptr;
+    Turn(1200);
+    b_ = std::make_unique<Node>(wire_, false, 9, 77'000'000'000, config_, kTopics, false, settings);
+    wire_.a_asked = true;
+    Turn(2000);
+    ExpectOneLeads();
+    EXPECT_TRUE(b_->State().ready()) << hold_s << ": " << b_->State().why_not();
+    EXPECT_EQ(b_->State().refused() + a_->State().refused(), 0U) << hold_s;
+  }
+}
+
+}  // namespace
+}  // namespace styled::support
