@@ -217,6 +217,8 @@ void WriteStandby(const v1::StandbyState& standby, Text& text) {
            std::to_string(standby.compared()));
   text.One("styled_standby_different_frames_total", "counter",
            "those of them that came out otherwise", std::to_string(standby.different()));
+  text.One("styled_standby_apart_frames_total", "counter",
+           "those of them that differ by more than the last bits", std::to_string(standby.apart()));
   text.One("styled_standby_without_input_performers", "gauge",
            "performers of the leader whose frames do not reach this daemon",
            std::to_string(standby.without_input_size()));

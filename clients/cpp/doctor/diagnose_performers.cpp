@@ -71,16 +71,43 @@ void Examination::Standby() {
            "Start it; stylectl status there and its log say what it hears.");
   }
   if (standby.role() == "following" && standby.heard() && !standby.ready()) {
-    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_unready",
-           "This standby would not go on: " + standby.why_not() + ".",
-           "It needs the leader's weights, styles, outputs and sources.",
-           "Make the two configurations the same, and start this daemon again.");
+    Report(
+        Severity::kWarning, Step::kDaemon, nullptr, "standby_unready",
+        "This standby would not go on as the leader does: " + standby.why_not() + ".",
+        "It needs the leader's weights, styles, outputs, sources and settings. Alone it leads all "
+        "the same, with what it has.",
+        "Make the two configurations the same, and start this daemon again.");
   }
+  StandbyLinks(standby);
   for (const auto& performer : standby.without_input()) {
     Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_without_input",
            performer + ": their frames reach the leader, and not this standby.",
            "The rig sends to one of the two machines alone.",
            "Let the rig send to both, by a second target, multicast, or a repeater.");
+  }
+}
+
+// What a leader finds out about its pair, and what either of them hears from others.
+void Examination::StandbyLinks(const v1::StandbyState& standby) {
+  if (standby.role() == "leading" && standby.differs_size() > 0) {
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_differs",
+           "The standby is set up otherwise: " + standby.differs(0) +
+               (standby.differs_size() > 1 ? "; stylectl status lists more." : "."),
+           "Poses would come out otherwise where it goes on.",
+           "Make the two configurations the same, and start the standby again.");
+  }
+  if (standby.role() == "leading" && !standby.too_large().empty()) {
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_too_large",
+           "The standby cannot have " + standby.too_large() + ".",
+           "It is larger than a message of the journal may be.",
+           "Remove the style, or make the file smaller and import it again.");
+  }
+  if (standby.refused() > 0) {
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_refused",
+           std::to_string(standby.refused()) + " messages from " + standby.peer() +
+               " were ignored; the last: " + standby.refused_why() + ".",
+           "Another program may have that address, or a daemon of another version.",
+           "Look what listens there; keys ([security]) admit the other daemon alone.");
   }
 }
 

@@ -55,6 +55,7 @@ class Examination {
   // diagnose_performers.cpp
   void Clock();
   void Standby();
+  void StandbyLinks(const v1::StandbyState& standby);
   void Performers();
   bool RefusesPerformers(const SourceFacts& source) const;  // if so, Performers() reports it
 

@@ -226,6 +226,29 @@ json ClockJson(const v1::ClockState& clock) {
   return out;
 }
 
+// What is wrong between the two daemons, a line each. More asks of the leader's state than a
+// standby makes are somebody else's.
+std::string StandbyTrouble(const v1::StandbyState& standby) {
+  constexpr std::uint64_t kUsualAsks = 10;
+  std::string out;
+  if (standby.role() == "leading") {  // a standby says it as its reason not to be ready
+    for (const auto& differs : standby.differs()) out += "standby: differs: " + differs + "\n";
+    if (!standby.too_large().empty()) {
+      out += "standby: " + standby.peer() + " cannot have " + standby.too_large() + "\n";
+    }
+  }
+  if (standby.refused() > 0) {
+    out += "standby: " + std::to_string(standby.refused()) + " messages from " + standby.peer() +
+           " were ignored; the last: " + standby.refused_why() + "\n";
+  }
+  if (standby.asked_too_often() > kUsualAsks) {
+    out += "standby: the journal was subscribed to " + std::to_string(standby.asked()) +
+           " times, " + std::to_string(standby.asked_too_often()) +
+           " of them too soon: who else connects to standby.address?\n";
+  }
+  return out;
+}
+
 // Of a daemon with [standby].
 std::string StandbyText(const v1::StandbyState& standby) {
   if (standby.role() == "leading") {
@@ -233,14 +256,17 @@ std::string StandbyText(const v1::StandbyState& standby) {
            standby.peer() +
            (!standby.heard() ? " is not heard: nobody would go on in its place"
                              : " is " + standby.peer_role()) +
-           "\n";
+           "\n" + StandbyTrouble(standby);
   }
-  if (standby.role() != "following") return "standby: looks whether " + standby.peer() + " leads\n";
-  std::string out = "standby: follows " + standby.peer() + " (term " +
-                    std::to_string(standby.term()) + "); " +
-                    (standby.ready() ? "ready" : "not ready: " + standby.why_not()) + "; " +
-                    std::to_string(standby.compared()) + " frames styled as the leader did, " +
-                    std::to_string(standby.different()) + " of them came out otherwise\n";
+  if (standby.role() != "following") {
+    return "standby: looks whether " + standby.peer() + " leads\n" + StandbyTrouble(standby);
+  }
+  std::string out =
+      "standby: follows " + standby.peer() + " (term " + std::to_string(standby.term()) + "); " +
+      (standby.ready() ? "ready" : "not ready: " + standby.why_not()) + "; " +
+      std::to_string(standby.compared()) + " frames styled as the leader did, " +
+      std::to_string(standby.different()) + " of them came out otherwise, " +
+      std::to_string(standby.apart()) + " by more than the last bits\n" + StandbyTrouble(standby);
   for (const auto& performer : standby.without_input()) {
     out += performer +
            ": the leader has frames, and none of them reach this daemon: it would not "
@@ -259,6 +285,13 @@ json StandbyJson(const v1::StandbyState& standby) {
           {"why_not", standby.why_not()},
           {"compared", standby.compared()},
           {"different", standby.different()},
+          {"apart", standby.apart()},
+          {"differs", std::vector<std::string>(standby.differs().begin(), standby.differs().end())},
+          {"refused", standby.refused()},
+          {"refused_why", standby.refused_why()},
+          {"asked", standby.asked()},
+          {"asked_too_often", standby.asked_too_often()},
+          {"too_large", standby.too_large()},
           {"fetched", standby.fetched()},
           {"takeovers", standby.takeovers()},
           {"without_input", std::vector<std::string>(standby.without_input().begin(),

@@ -73,6 +73,25 @@ TEST_F(PerformersTest, AStandbyThatWouldNotGoOnIsWarnedOf) {
   EXPECT_NE(Of("standby_without_input")[0].what.find("suit.a"), std::string::npos);
 }
 
+TEST_F(PerformersTest, WhatALeaderKnowsOfItsPairIsWarnedOf) {
+  v1::StandbyState& standby = *machine.facts.daemon.after.mutable_stats()->mutable_standby();
+  standby.set_role("leading");
+  standby.set_heard(true);
+  for (const char* const code : {"standby_differs", "standby_too_large", "standby_refused"}) {
+    EXPECT_TRUE(Of(code).empty()) << code;
+  }
+  standby.add_differs("model.feet: true here, false there");
+  standby.set_too_large("style \"x\": 20000000 bytes");
+  standby.set_refused(3);
+  standby.set_refused_why("it is no entry of a journal");
+  ASSERT_EQ(Of("standby_differs").size(), 1U);
+  EXPECT_NE(Of("standby_differs")[0].what.find("model.feet"), std::string::npos);
+  ASSERT_EQ(Of("standby_too_large").size(), 1U);
+  EXPECT_NE(Of("standby_too_large")[0].what.find("20000000"), std::string::npos);
+  ASSERT_EQ(Of("standby_refused").size(), 1U);
+  EXPECT_NE(Of("standby_refused")[0].what.find("3 messages"), std::string::npos);
+}
+
 TEST_F(PerformersTest, WhoLosesMoreThanHalfIsWarnedOf) {
   Add("suit.a", 300, 60).set_refused_as("pipeline.reordered");
   const auto found = Of("performer_refused");
