@@ -1,9 +1,11 @@
-// Fuzzes what a standby hears of its leader. Whoever may write there is trusted with what is shown
-// (CURVE keys), not with the daemon's life: whatever comes,
+// Fuzzes what a standby hears of its leader, and a leader of its standby. Whoever may write there
+// is trusted with what is shown (CURVE keys), not with the daemon's life: whatever comes,
 // - published values are finite, and rotations have unit length;
-// - when the leader is killed, the standby leads within 2 s, and publishes the rig's frames.
-// The first byte: 1, the message gets version, sender, epoch, term and number of the leader's next
-// one, so that it is not refused for them.
+// - three seconds later one of the two leads, and the other one follows;
+// - when the leader is killed, the other one leads within 2 s, and publishes the rig's frames.
+// The first byte: 1, the message gets version, sender, epoch, term, number, hearing and hold of the
+// leader's next one, so that it is not refused for them; 2, it comes to the leader; 3, both, with
+// the standby's.
 #include <google/protobuf/stubs/logging.h>
 
 #include <cstdint>
@@ -31,22 +33,34 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 1) return 0;
   v1::Journal entry, last;
   const bool is_message = entry.ParseFromArray(data + 1, static_cast<int>(size - 1));
+  const bool to_leader = (data[0] & 2U) != 0;
   fuzz::Pair pair;
-  pair.wire.spy = [&last](const std::string& message) { last.ParseFromString(message); };
-  pair.Frames(2);
-  if (data[0] == 1 && is_message) {
+  const auto listen = [&last](const std::string& message) { last.ParseFromString(message); };
+  (to_leader ? pair.wire.spy_on_b : pair.wire.spy) = listen;
+  pair.Frames(4);
+  auto& inbox = to_leader ? pair.wire.to_a : pair.wire.to_b;
+  if ((data[0] & 1U) != 0 && data[0] < 4 && is_message) {
     entry.set_version(last.version());
     entry.set_daemon(last.daemon());
     entry.set_epoch(last.epoch());
     entry.set_term(last.term());
     entry.set_role(last.role());
     entry.set_number(last.number() + 1);
-    pair.wire.to_b.push_back(entry.SerializeAsString());
+    entry.set_hears(last.hears());
+    entry.set_hold_ns(last.hold_ns());
+    inbox.push_back(entry.SerializeAsString());
   } else {
-    pair.wire.to_b.emplace_back(reinterpret_cast<const char*>(data + 1), size - 1);
+    inbox.emplace_back(reinterpret_cast<const char*>(data + 1), size - 1);
   }
   pair.Turn(1);
   pair.Frames(5);
+  pair.Turn(3000);
+  const std::string one = pair.leader().State().role(), other = pair.standby().State().role();
+  if ((one == "leading") == (other == "leading")) {
+    std::fprintf(stderr, "%s, %s\n", one.c_str(), other.c_str());
+  }
+  REQUIRE((one == "leading") != (other == "leading"));
+  REQUIRE(one == "following" || other == "following");
   pair.Kill();
   pair.standby().publisher.frames.clear();
   pair.Frames(250);  // 2 s
