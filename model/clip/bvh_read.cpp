@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "model/base/text.h"
 #include "model/clip/clip.h"
 
 namespace styled::clip {
@@ -16,8 +17,13 @@ namespace {
 using rig::Quat;
 using rig::Vec3;
 
-constexpr int kMaxJoints = 1024;
-constexpr int kMaxDepth = 256;
+constexpr int kMaxJoints = rig::kMaxSourceJoints;  // no binding has more
+constexpr std::size_t kMaxName = 256;              // bytes
+// Frames take at most so many bytes for each byte of text, beside a fixed allowance. Of the densest
+// text of rotations, "0 0 0 " per joint, they take 5.
+constexpr std::size_t kFrameBytesPerByte = 6;
+constexpr std::size_t kFramesAllowance = std::size_t{2} << 20;
+constexpr std::uint64_t kRowsPerCheck = 256;  // of the time limit
 
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
@@ -112,9 +118,8 @@ double NearestRate(double rate_hz) {
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& name) : scan_(text), name_(name) {
-    size_ = text.size();
-  }
+  Parser(std::string_view text, const std::string& name, const ReadLimits& limits)
+      : scan_(text), name_(name), limits_(limits), size_(text.size()) {}
 
   Result<Clip> Run() {
     if (!Hierarchy() || !Motion()) return Status::Error(error_);
@@ -125,6 +130,10 @@ class Parser {
   bool Fail(const std::string& found, const std::string& expected) {
     error_ =
         name_ + ":" + std::to_string(scan_.line()) + ": found " + found + ", expected " + expected;
+    return false;
+  }
+  bool Refuse(std::string error) {
+    error_ = std::move(error);
     return false;
   }
   bool Expect(std::string_view keyword) {
@@ -175,8 +184,9 @@ class Parser {
     if (clip_.skeleton.joint_count() >= kMaxJoints) {
       return Fail("one more joint", "at most " + std::to_string(kMaxJoints));
     }
-    if (open.size() >= kMaxDepth) {
-      return Fail("one more level", "at most " + std::to_string(kMaxDepth) + " joints in a chain");
+    if (joint_name.size() > kMaxName) {
+      return Fail("a joint name of " + std::to_string(joint_name.size()) + " bytes",
+                  "at most " + std::to_string(kMaxName));
     }
     if (!Expect("{")) return false;
     open.push_back(clip_.skeleton.joint_count());
@@ -265,12 +275,17 @@ class Parser {
       return Fail(std::to_string(frames) + " frames, more than the rest of the file can hold",
                   "as many as there are rows");
     }
-    // Joints without channels take memory per frame but no text, so limit the product, too.
+    // Joints without channels take memory per frame but no text, so limit the memory, too.
     const std::uint64_t joints = clip_.skeleton.names.size();
-    if (frames * joints > 4 * size_ + 65536) {
+    if (frames > (kFrameBytesPerByte * size_ + kFramesAllowance) / FrameBytes(joints)) {
       return Fail(std::to_string(frames) + " frames of " + std::to_string(joints) +
                       " joints with hardly a channel",
                   "channels for the joints");
+    }
+    const double length_s = static_cast<double>(frames - 1) / clip_.rate_hz;
+    if (length_s > limits_.longest_s) {
+      return Refuse(name_ + ": found " + NumberText(static_cast<float>(length_s), 2) +
+                    " s, expected at most " + NumberText(limits_.longest_s));
     }
     clip_.frames.reserve(frames);
     return Rows(frames);
@@ -279,7 +294,10 @@ class Parser {
   bool Rows(std::uint64_t frames) {
     const rig::RigPose rest(clip_.skeleton);
     for (std::uint64_t frame = 0; frame < frames; ++frame) {
-      std::string_view word = scan_.Word();
+      if (frame % kRowsPerCheck == 0 && limits_.work.exceeded()) {
+        return Refuse(limits_.work.Refusal(name_).message());
+      }
+      const std::string_view word = scan_.Word();
       if (word.empty()) {
         return Fail("the end after " + std::to_string(frame) + " rows",
                     std::to_string(frames) + " as in Frames:");
@@ -313,7 +331,8 @@ class Parser {
           pose.translations[joint][kind - 'X'] = static_cast<float>(value);
         } else {
           // Angles repeat after 360 degrees, half-angle rotations after 720.
-          const double half = std::remainder(value, 720.0) * (std::numbers::pi / 360.0);
+          const double within = std::abs(value) <= 360 ? value : std::remainder(value, 720.0);
+          const double half = within * (std::numbers::pi / 360.0);
           Eigen::Quaterniond turn(std::cos(half), 0, 0, 0);
           turn.vec()[kind - 'x'] = std::sin(half);
           rotation = rotation * turn;
@@ -338,7 +357,8 @@ class Parser {
 
   Scanner scan_;
   const std::string& name_;
-  std::size_t size_ = 0;
+  const ReadLimits& limits_;
+  std::size_t size_;
   std::size_t channel_count_ = 0;
   Clip clip_;
   std::string error_;
@@ -346,8 +366,8 @@ class Parser {
 
 }  // namespace
 
-Result<Clip> ParseBvh(std::string_view text, const std::string& name) {
-  return Parser(text, name).Run();
+Result<Clip> ParseBvh(std::string_view text, const std::string& name, const ReadLimits& limits) {
+  return Parser(text, name, limits).Run();
 }
 
 Result<Clip> ReadBvh(const std::filesystem::path& file) {
@@ -373,15 +393,38 @@ Result<Clip> ReadBvh(const std::filesystem::path& file) {
   return ParseBvh(text, file.string());
 }
 
+namespace {
+
+// Binds a frame, and gives its rotations the signs that continue the pose before it, if any.
+void BindFrame(const rig::Binding& binding, const rig::RigPose& frame, const body::Pose* before,
+               body::Pose& pose) {
+  binding.Bind(frame, pose);
+  if (before == nullptr) return;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    Quat& q = pose.rotations[joint];
+    if (q.dot(before->rotations[joint]) < 0) q.coeffs() = -q.coeffs();
+  }
+}
+
+}  // namespace
+
 std::vector<body::Pose> ToCanonical(const Clip& clip, const rig::Binding& binding) {
   std::vector<body::Pose> poses(clip.frames.size());
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-    binding.Bind(clip.frames[frame], poses[frame]);
-    if (frame == 0) continue;
-    for (int joint = 0; joint < body::kJointCount; ++joint) {
-      Quat& q = poses[frame].rotations[joint];
-      if (q.dot(poses[frame - 1].rotations[joint]) < 0) q.coeffs() = -q.coeffs();
-    }
+    BindFrame(binding, clip.frames[frame], frame == 0 ? nullptr : &poses[frame - 1], poses[frame]);
+  }
+  return poses;
+}
+
+Result<std::deque<body::Pose>> ToCanonical(Clip&& clip, const rig::Binding& binding,
+                                           const WorkLimit& work, const std::string& file) {
+  constexpr std::size_t kPerCheck = 256;
+  std::deque<body::Pose> poses;
+  for (std::size_t frame = 0; frame < clip.frames.size(); ++frame) {
+    if (frame % kPerCheck == 0 && work.exceeded()) return work.Refusal(file);
+    const body::Pose* const before = frame == 0 ? nullptr : &poses.back();
+    BindFrame(binding, clip.frames[frame], before, poses.emplace_back());
+    clip.frames[frame] = {};
   }
   return poses;
 }

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <cstddef>
+#include <deque>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/base/work_limit.h"
 #include "model/rig/binding.h"
 #include "model/rig/skeleton.h"
 
@@ -24,17 +28,32 @@ struct Clip {
   std::vector<std::vector<rig::Vec3>> end_sites;
 };
 
+// What a reader of clips accepts of a client's file.
+struct ReadLimits {
+  double longest_s = std::numeric_limits<double>::infinity();
+  WorkLimit work;
+};
+
+// The memory that a frame of a skeleton takes, in bytes.
+constexpr std::size_t FrameBytes(std::size_t joints) {
+  constexpr std::size_t kHeap = 16;  // of each of the two lists
+  return sizeof(rig::RigPose) + 2 * kHeap + joints * (sizeof(rig::Vec3) + sizeof(rig::Quat));
+}
+
 // Reads a BVH file or text. Accepts any hierarchy, channel order and count, CRLF, tabs, End Sites,
 // position channels on any joint, 1 to 1000 Hz (0.0333333 s is read as 30 Hz). Position channels
 // replace the OFFSET, also at the root: positions are absolute, not added to it. Angles are
 // degrees, applied in channel order (intrinsic); the resulting rotations are continuous in sign
 // over time. Refuses, besides syntax errors: a second ROOT, no channels, a channel twice in a
 // joint, numbers that are not finite or beyond 1e9, rows that do not match Frames: or CHANNELS, 0
-// frames, more than 1024 joints or 256 levels. Memory is bounded by a small multiple of the text.
-// Never throws on content. Errors: "FILE:LINE: found X, expected Y". Any thread. Pinned by
-// tests/unit/clip/bvh_test.cpp.
+// frames, more than rig::kMaxSourceJoints joints, a joint's name of more than 256 bytes, and what
+// `limits` do not allow. The frames take at most 6 times the text's bytes and 2 MiB: a file whose
+// joints have hardly a channel is refused before they are read. Time in proportion to the text.
+// Never throws on content. Errors: "FILE:LINE: found X, expected Y"; of limits, without the line.
+// Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp.
 Result<Clip> ReadBvh(const std::filesystem::path& file);
-Result<Clip> ParseBvh(std::string_view text, const std::string& name);
+Result<Clip> ParseBvh(std::string_view text, const std::string& name,
+                      const ReadLimits& limits = {});
 
 // Writes with the clip's channel order (default: root XYZ + zxy, others zxy), continuous Euler
 // angles, %.6f. The precision of the text limits the round trip: < 1e-4 degrees. Rotations about
@@ -67,5 +86,12 @@ Result<rig::Binding> BindStanding(const Clip& clip);
 std::vector<body::Pose> ToCanonical(const Clip& clip, const rig::Binding& binding);
 std::vector<body::Pose> ResamplePoses(const std::vector<body::Pose>& poses, double rate_hz,
                                       double new_rate_hz);
+// The same within a limit, whose errors name `file`. The clip's frames are freed as they are read,
+// and the poses come in pieces, so that the memory is that of the larger of the two.
+Result<std::deque<body::Pose>> ToCanonical(Clip&& clip, const rig::Binding& binding,
+                                           const WorkLimit& work, const std::string& file);
+Result<std::vector<body::Pose>> ResamplePoses(const std::deque<body::Pose>& poses, double rate_hz,
+                                              double new_rate_hz, const WorkLimit& work,
+                                              const std::string& file);
 
 }  // namespace styled::clip

@@ -156,30 +156,59 @@ Clip Retime(const Clip& clip, std::span<const double> times_s) {
   return Evaluated(clip, PlacesInTime(times_s, 1 / clip.rate_hz), clip.rate_hz);
 }
 
+namespace {
+
+// Resamples a few columns of all poses: `put` writes a pose's numbers into a row of them, `get`
+// reads them from an evaluated row. A few at a time, so that the memory is a fraction of the
+// poses'.
+template <typename Poses, typename Put, typename Get>
+void ResampleColumns(const Poses& poses, Eigen::Index columns, const std::vector<Place>& places,
+                     std::vector<body::Pose>& out, const Put& put, const Get& get) {
+  Samples y(poses.size(), columns);
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) put(poses[frame], y, frame);
+  const Samples m = SecondDerivatives(y);
+  Row row(columns);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Evaluate(y, m, places[i], row);
+    get(row, out[i]);
+  }
+}
+
+template <typename Poses>
+Result<std::vector<body::Pose>> Resampled(const Poses& poses, double rate_hz, double new_rate_hz,
+                                          const WorkLimit& work, const std::string& file) {
+  assert(rate_hz > 0 && new_rate_hz > 0);
+  const std::vector<Place> places = Places(poses.size(), rate_hz, new_rate_hz);
+  std::vector<body::Pose> out(places.size());
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    if (work.exceeded()) return work.Refusal(file);
+    ResampleColumns(
+        poses, 4, places, out,
+        [joint](const body::Pose& pose, Samples& y, std::size_t frame) {
+          PutRotation(y, frame, 0, pose.rotations[joint]);
+        },
+        [joint](const Row& row, body::Pose& pose) { pose.rotations[joint] = GetRotation(row, 0); });
+  }
+  ResampleColumns(
+      poses, 3, places, out,
+      [](const body::Pose& pose, Samples& y, std::size_t frame) {
+        y.row(static_cast<Eigen::Index>(frame)) = pose.hips_position_m.cast<double>().transpose();
+      },
+      [](const Row& row, body::Pose& pose) { pose.hips_position_m = GetPosition(row, 0); });
+  return out;
+}
+
+}  // namespace
+
 std::vector<body::Pose> ResamplePoses(const std::vector<body::Pose>& poses, double rate_hz,
                                       double new_rate_hz) {
-  assert(rate_hz > 0 && new_rate_hz > 0);
-  constexpr Eigen::Index kHipsColumn = 4 * body::kJointCount;
-  Samples y(poses.size(), kHipsColumn + 3);
-  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-    for (int joint = 0; joint < body::kJointCount; ++joint) {
-      PutRotation(y, frame, 4 * joint, poses[frame].rotations[joint]);
-    }
-    y.block<1, 3>(frame, kHipsColumn) = poses[frame].hips_position_m.cast<double>().transpose();
-  }
-  std::vector<body::Pose> out;
-  if (poses.empty()) return out;
-  const Samples m = SecondDerivatives(y);
-  Row row(y.cols());
-  for (const Place& place : Places(poses.size(), rate_hz, new_rate_hz)) {
-    Evaluate(y, m, place, row);
-    body::Pose& pose = out.emplace_back();
-    for (int joint = 0; joint < body::kJointCount; ++joint) {
-      pose.rotations[joint] = GetRotation(row, 4 * joint);
-    }
-    pose.hips_position_m = GetPosition(row, kHipsColumn);
-  }
-  return out;
+  return std::move(Resampled(poses, rate_hz, new_rate_hz, {}, "").value());
+}
+
+Result<std::vector<body::Pose>> ResamplePoses(const std::deque<body::Pose>& poses, double rate_hz,
+                                              double new_rate_hz, const WorkLimit& work,
+                                              const std::string& file) {
+  return Resampled(poses, rate_hz, new_rate_hz, work, file);
 }
 
 }  // namespace styled::clip

@@ -109,8 +109,10 @@ std::vector<Case> Broken() {
       {With("4 5 6 90", "4 5 1.#QNAN 90"), "x.bvh:19: found \"1.#QNAN\" as value 3"},
       {"HIERARCHY\nROOT a\n{\nCHANNELS 0\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n",
        "x.bvh:6: found no channels in any joint, expected at least one"},
-      {deep, "found one more level, expected at most 256"},
-      {wide, "found one more joint, expected at most 1024"},
+      {deep, "found one more joint, expected at most 256"},
+      {wide, "found one more joint, expected at most 256"},
+      {With("Left Arm", std::string(257, 'a')),
+       "x.bvh:6: found a joint name of 257 bytes, expected at most 256"},
   };
 }
 
