@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -26,15 +28,51 @@ constexpr double kLongest_s = 60, kLatest_s = 86400;
 constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
 constexpr double kSlowest_hz = 10, kFastest_hz = 240;
 constexpr float kMaxValue = 1e6F;  // of a translation, m
+// The sampled frames take at most so many bytes for each byte of the file, beside a fixed allowance
+// (60 s of 55 joints at 43 Hz). Where they would take more, they are sampled at a lower rate: the
+// file has few keys then.
+constexpr std::size_t kSampledBytesPerByte = 4;
+constexpr std::size_t kSampledAllowance = std::size_t{4} << 20;
+constexpr std::size_t kFramesPerCheck = 64;  // of the time limit
 
-// The accessors of a file, read as floats.
+Status CheckTimes(const std::vector<float>& times_s) {
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    const bool rises = i == 0 ? times_s[0] >= 0 : times_s[i] > times_s[i - 1];
+    if (!rises) return Status::Error("found times that do not rise");
+  }
+  const double length_s = static_cast<double>(times_s.back() - times_s.front());
+  if (!(length_s <= kLongest_s)) {
+    return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
+                         NumberText(kLongest_s));
+  }
+  return Status::Ok();
+}
+
+// The accessors of a file, read as floats. Each is read and kept once, however many channels share
+// it, and all together have no more values than the file has bytes of data: of bytes, the smallest
+// type, it cannot have more, unless accessors lie over one another.
 class Accessors {
  public:
   Accessors(const json& file, std::string_view data)
-      : file_(file), data_(data), left_(2 * data.size()) {}
+      : file_(file), data_(data), left_(data.size()) {}
 
-  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other.
-  Result<std::vector<float>> Read(int index, const std::string& type) const {
+  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other; of
+  // SCALAR, times that rise.
+  using Values = std::shared_ptr<const std::vector<float>>;
+  Result<Values> Read(int index, const std::string& type) {
+    Values& kept = kept_[{index, type}];
+    if (kept != nullptr) return kept;
+    auto values = ReadNew(index, type);
+    if (!values.ok()) return values.status();
+    if (type == "SCALAR") {
+      if (const Status status = CheckTimes(values.value()); !status.ok()) return status;
+    }
+    kept = std::make_shared<const std::vector<float>>(std::move(values.value()));
+    return kept;
+  }
+
+ private:
+  Result<std::vector<float>> ReadNew(int index, const std::string& type) {
     const json& accessor = At("accessors", index);
     const auto refuse = [index](const std::string& what) {
       return Status::Error("accessor " + std::to_string(index) + ": " + what);
@@ -57,12 +95,11 @@ class Accessors {
     const std::size_t width = type == "SCALAR" ? 1 : type == "VEC3" ? 3 : 4;
     const auto view = View(accessor, width * size, static_cast<std::size_t>(*count));
     if (!view.ok()) return refuse(view.status().message());
-    // Channels may share an accessor, and a file that says so often enough would fill the memory.
     const std::size_t all = width * static_cast<std::size_t>(*count);
     if (all > left_) return refuse("found more values in its channels than the file can hold");
     left_ -= all;
     std::vector<float> values;
-    values.reserve(width * static_cast<std::size_t>(*count));
+    values.reserve(all);
     for (std::size_t row = 0; row < static_cast<std::size_t>(*count); ++row) {
       for (std::size_t i = 0; i < width; ++i) {
         const char* const at = view.value().begin + row * view.value().stride + i * size;
@@ -75,7 +112,6 @@ class Accessors {
     return values;
   }
 
- private:
   struct Rows {
     const char* begin = nullptr;
     std::size_t stride = 0;
@@ -151,7 +187,8 @@ class Accessors {
 
   const json& file_;
   std::string_view data_;
-  mutable std::size_t left_;  // values that may be read
+  std::size_t left_;  // values that may still be read
+  std::map<std::pair<int, std::string>, Values> kept_;
 };
 
 // The keys of one channel.
@@ -159,15 +196,42 @@ struct Track {
   enum class Way { kLinear, kStep, kCubic };
   std::size_t width = 4;  // of a value: 3 or 4
   Way way = Way::kLinear;
-  std::vector<float> times_s, values;  // cubic: in-tangent, value, out-tangent per key
+  Accessors::Values times, values;  // cubic: in-tangent, value, out-tangent per key
 
+  bool empty() const { return times == nullptr; }
+  const std::vector<float>& times_s() const { return *times; }
   const float* Value(std::size_t key) const {
-    return values.data() + width * (way == Way::kCubic ? 3 * key + 1 : key);
+    return values->data() + width * (way == Way::kCubic ? 3 * key + 1 : key);
   }
 };
 
 struct NodeTracks {
-  Track rotation, translation;  // without times: none
+  Track rotation, translation;
+};
+
+// The nodes whose motion moves the humanoid: its bones, and what is above its hips.
+class MovingNodes {
+ public:
+  MovingNodes(const gltf::Nodes& nodes, const gltf::Bones& bones, std::size_t count)
+      : places_(count, -1) {
+    for (int node = nodes.parent(bones.nodes[0]); node >= 0; node = nodes.parent(node)) {
+      above_.push_back(node);
+    }
+    std::reverse(above_.begin(), above_.end());
+    for (const int node : above_) places_[static_cast<std::size_t>(node)] = size_++;
+    for (const int node : bones.nodes) places_[static_cast<std::size_t>(node)] = size_++;
+  }
+
+  const std::vector<int>& above() const { return above_; }  // outermost first
+  std::size_t size() const { return static_cast<std::size_t>(size_); }
+  std::size_t nodes() const { return places_.size(); }
+  // A node's place among them; -1: none of them.
+  int place(int node) const { return places_[static_cast<std::size_t>(node)]; }
+  bool is_bone(int node) const { return place(node) >= static_cast<int>(above_.size()); }
+
+ private:
+  std::vector<int> above_, places_;
+  int size_ = 0;
 };
 
 // The value at a time, of a rotation not normalized (glTF 2.0, appendix C).
@@ -178,7 +242,7 @@ Eigen::Vector4f ValueOf(const Track& track, double time_s) {
     for (std::size_t i = 0; i < track.width; ++i) read[static_cast<Eigen::Index>(i)] = from[i];
     return read;
   };
-  const auto& times = track.times_s;
+  const auto& times = track.times_s();
   const auto next = static_cast<std::size_t>(
       std::upper_bound(times.begin(), times.end(), static_cast<float>(time_s)) - times.begin());
   if (next == 0) return read(track.Value(0));
@@ -198,20 +262,7 @@ Eigen::Vector4f ValueOf(const Track& track, double time_s) {
   return value;
 }
 
-Status CheckTimes(const Track& track) {
-  for (std::size_t i = 0; i < track.times_s.size(); ++i) {
-    const bool rises = i == 0 ? track.times_s[0] >= 0 : track.times_s[i] > track.times_s[i - 1];
-    if (!rises) return Status::Error("found times that do not rise");
-  }
-  const double length_s = static_cast<double>(track.times_s.back() - track.times_s.front());
-  if (!(length_s <= kLongest_s)) {
-    return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
-                         NumberText(kLongest_s));
-  }
-  return Status::Ok();
-}
-
-Result<Track> ReadTrack(const json& sampler, std::size_t width, const Accessors& accessors) {
+Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& accessors) {
   Track track;
   track.width = width;
   const json& way = Member(sampler, "interpolation");
@@ -223,36 +274,56 @@ Result<Track> ReadTrack(const json& sampler, std::size_t width, const Accessors&
   if (!times.ok()) return times.status();
   auto values = accessors.Read(*output, width == 3 ? "VEC3" : "VEC4");
   if (!values.ok()) return values.status();
-  track.times_s = std::move(times.value());
+  track.times = std::move(times.value());
   track.values = std::move(values.value());
-  if (const Status status = CheckTimes(track); !status.ok()) return status;
   const std::size_t per_key = width * (track.way == Track::Way::kCubic ? 3 : 1);
-  if (track.values.size() != per_key * track.times_s.size()) {
-    return Status::Error("found " + std::to_string(track.times_s.size()) + " times for " +
-                         std::to_string(track.values.size() / per_key) + " values");
+  if (track.values->size() != per_key * track.times->size()) {
+    return Status::Error("found " + std::to_string(track.times->size()) + " times for " +
+                         std::to_string(track.values->size() / per_key) + " values");
   }
   return track;
 }
 
-// The channels of an animation, per node.
-Result<std::vector<NodeTracks>> ReadTracks(const json& animation, std::size_t nodes,
-                                           const Accessors& accessors) {
-  std::vector<NodeTracks> tracks(nodes);
+// The channels of an animation that move the humanoid, by the places of their nodes; none if it
+// turns no bone. Of two channels of one target the last one counts.
+Result<std::vector<NodeTracks>> ReadTracks(const json& animation, const MovingNodes& moving,
+                                           Accessors& accessors) {
   const json &channels = Member(animation, "channels"), &samplers = Member(animation, "samplers");
-  if (!channels.is_array() || !samplers.is_array()) return tracks;
+  if (!channels.is_array() || !samplers.is_array()) return std::vector<NodeTracks>();
+  struct Sampled {
+    int rotation = -1, translation = -1;  // samplers
+  };
+  std::vector<Sampled> sampled;
+  bool turns_bone = false;
   for (const json& channel : channels) {
     const json& target = Member(channel, "target");
     const auto node = IndexOf(target, "node"), sampler = IndexOf(channel, "sampler");
     const bool turns = Member(target, "path") == "rotation";
     if (!node || (!turns && Member(target, "path") != "translation")) continue;
-    if (static_cast<std::size_t>(*node) >= nodes || !sampler ||
+    if (static_cast<std::size_t>(*node) >= moving.nodes() || !sampler ||
         static_cast<std::size_t>(*sampler) >= samplers.size()) {
       return Status::Error("found a channel whose node or sampler does not exist");
     }
-    auto track = ReadTrack(samplers[static_cast<std::size_t>(*sampler)], turns ? 4 : 3, accessors);
-    if (!track.ok()) return track.status();
-    NodeTracks& own = tracks[static_cast<std::size_t>(*node)];
-    (turns ? own.rotation : own.translation) = std::move(track.value());
+    const int place = moving.place(*node);
+    if (place < 0) continue;
+    sampled.resize(moving.size());
+    Sampled& own = sampled[static_cast<std::size_t>(place)];
+    (turns ? own.rotation : own.translation) = *sampler;
+    turns_bone = turns_bone || (turns && moving.is_bone(*node));
+  }
+  if (!turns_bone) return std::vector<NodeTracks>();
+  std::vector<NodeTracks> tracks(moving.size());
+  const auto read = [&](int sampler, std::size_t width, Track& track) {
+    if (sampler < 0) return Status::Ok();
+    auto own = ReadTrack(samplers[static_cast<std::size_t>(sampler)], width, accessors);
+    if (own.ok()) track = std::move(own.value());
+    return own.status();
+  };
+  for (std::size_t place = 0; place < tracks.size(); ++place) {
+    for (const Status& status : {read(sampled[place].rotation, 4, tracks[place].rotation),
+                                 read(sampled[place].translation, 3, tracks[place].translation)}) {
+      if (!status.ok()) return status;
+    }
   }
   return tracks;
 }
@@ -260,23 +331,14 @@ Result<std::vector<NodeTracks>> ReadTracks(const json& animation, std::size_t no
 // An animation as a clip of the bones.
 class Sampler {
  public:
-  Sampler(const gltf::Nodes& nodes, const gltf::Bones& bones, const std::vector<NodeTracks>& tracks)
-      : nodes_(nodes), bones_(bones), tracks_(tracks) {
-    for (int node = nodes.parent(bones.nodes[0]); node >= 0; node = nodes.parent(node)) {
-      above_.push_back(node);
-    }
-    std::reverse(above_.begin(), above_.end());
-  }
+  // `bytes`: the size of the file.
+  Sampler(const gltf::Nodes& nodes, const gltf::Bones& bones, const MovingNodes& moving,
+          const std::vector<NodeTracks>& tracks, std::size_t bytes)
+      : nodes_(nodes), bones_(bones), moving_(moving), tracks_(tracks), bytes_(bytes) {}
 
-  // Whether it turns a bone.
-  bool Moves() const {
-    return std::any_of(bones_.nodes.begin(), bones_.nodes.end(), [this](int node) {
-      return !tracks_[static_cast<std::size_t>(node)].rotation.times_s.empty();
-    });
-  }
   Status Check() const {
-    if (above_.size() > kMaxAbove) {
-      return Status::Error("found " + std::to_string(above_.size()) +
+    if (moving_.above().size() > kMaxAbove) {
+      return Status::Error("found " + std::to_string(moving_.above().size()) +
                            " nodes above the hips, expected at most " + std::to_string(kMaxAbove));
     }
     const Grid grid = MakeGrid();
@@ -285,7 +347,7 @@ class Sampler {
     return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
                          NumberText(kLongest_s));
   }
-  Clip Sample() const {
+  Result<Clip> Sample(const WorkLimit& work) const {
     Clip clip;
     clip.skeleton = bones_.skeleton.skeleton;
     const Grid grid = MakeGrid();
@@ -294,6 +356,7 @@ class Sampler {
         static_cast<std::size_t>(std::floor((grid.end_s - grid.begin_s) * grid.rate_hz + 1e-3)) + 1;
     clip.frames.reserve(frames);
     for (std::size_t frame = 0; frame < frames; ++frame) {
+      if (frame % kFramesPerCheck == 0 && work.exceeded()) return work.Refusal();
       clip.frames.push_back(PoseAt(grid.begin_s + static_cast<double>(frame) / grid.rate_hz));
       if (frame > 0) KeepSigns(clip.frames[frame - 1], clip.frames[frame]);
     }
@@ -307,32 +370,34 @@ class Sampler {
   Grid MakeGrid() const {
     Grid grid;
     const auto look = [&grid](const Track& track) {
-      if (track.times_s.empty()) return;
-      const double first = static_cast<double>(track.times_s.front());
-      const double last = static_cast<double>(track.times_s.back());
+      if (track.empty()) return;
+      const double first = static_cast<double>(track.times_s().front());
+      const double last = static_cast<double>(track.times_s().back());
       grid.begin_s = std::min(grid.begin_s, first);
       grid.end_s = std::max(grid.end_s, last);
       if (last <= first) return;
       grid.rate_hz =
-          std::max(grid.rate_hz, static_cast<double>(track.times_s.size() - 1) / (last - first));
+          std::max(grid.rate_hz, static_cast<double>(track.times_s().size() - 1) / (last - first));
     };
-    for (const auto* const of : {&above_, &bones_.nodes}) {
-      for (const int node : *of) {
-        look(tracks_[static_cast<std::size_t>(node)].rotation);
-        look(tracks_[static_cast<std::size_t>(node)].translation);
-      }
+    for (const NodeTracks& tracks : tracks_) {
+      look(tracks.rotation);
+      look(tracks.translation);
     }
     grid.rate_hz = std::min(std::round(grid.rate_hz), kFastest_hz);
+    const auto most = static_cast<double>((kSampledBytesPerByte * bytes_ + kSampledAllowance) /
+                                          FrameBytes(bones_.nodes.size()));
+    const double length_s = grid.end_s - grid.begin_s;
+    if (length_s * grid.rate_hz > most) grid.rate_hz = std::floor(most / length_s);
     return grid;
   }
   Transform LocalAt(int node, double time_s) const {
     Transform local = nodes_.local(node);
-    const NodeTracks& tracks = tracks_[static_cast<std::size_t>(node)];
-    if (!tracks.rotation.times_s.empty()) {
+    const NodeTracks& tracks = tracks_[static_cast<std::size_t>(moving_.place(node))];
+    if (!tracks.rotation.empty()) {
       const Quat rotation(ValueOf(tracks.rotation, time_s));
       if (rotation.norm() > 1e-6F) local.rotation = rotation.normalized();
     }
-    if (!tracks.translation.times_s.empty()) {
+    if (!tracks.translation.empty()) {
       local.translation = ValueOf(tracks.translation, time_s).head<3>();
     }
     return local;
@@ -340,7 +405,7 @@ class Sampler {
   rig::RigPose PoseAt(double time_s) const {
     rig::RigPose pose(bones_.skeleton.skeleton);
     Transform world;  // of the hips
-    for (const int node : above_) world = world * LocalAt(node, time_s);
+    for (const int node : moving_.above()) world = world * LocalAt(node, time_s);
     std::vector<float> scales(bones_.nodes.size());
     for (std::size_t joint = 0; joint < bones_.nodes.size(); ++joint) {
       const int node = bones_.nodes[joint];
@@ -369,44 +434,59 @@ class Sampler {
 
   const gltf::Nodes& nodes_;
   const gltf::Bones& bones_;
+  const MovingNodes& moving_;
   const std::vector<NodeTracks>& tracks_;
-  std::vector<int> above_;  // nodes above the hips, outermost first
+  std::size_t bytes_;
 };
 
-Result<GltfClip> Read(std::string_view bytes) {
+// The first animation that turns a bone; none: an empty list.
+Result<std::vector<NodeTracks>> FindTracks(const json& file, std::string_view data,
+                                           const MovingNodes& moving) {
+  const json& animations = Member(file, "animations");
+  if (!animations.is_array() || animations.empty()) {
+    return Status::Error("found no animation, expected one of the humanoid's bones");
+  }
+  Accessors accessors(file, data);
+  for (const json& animation : animations) {
+    auto tracks = ReadTracks(animation, moving, accessors);
+    if (!tracks.ok() || !tracks.value().empty()) return tracks;
+  }
+  return Status::Error("found no animation that turns the humanoid's bones, expected one");
+}
+
+Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return gltf::Broken(chunks.status().message());
-  const auto file = gltf::ParseJson(std::string(chunks.value().text), true);
+  auto file = gltf::ParseMotionJson(chunks.value().text, bytes.size());
   if (!file.ok()) return file.status();
-  const auto model = gltf::ReadModel(file.value());
+  auto model = gltf::ReadModel(file.value());
   if (!model.ok()) return model.status();
   const auto nodes = gltf::Nodes::Make(model.value());
   if (!nodes.ok()) return nodes.status();
   auto bones = gltf::FindBones(model.value(), nodes.value(), {});
   if (!bones.ok()) return bones.status();
-  const json& animations = Member(file.value(), "animations");
-  if (!animations.is_array() || animations.empty()) {
-    return Status::Error("found no animation, expected one of the humanoid's bones");
-  }
-  const Accessors accessors(file.value(), chunks.value().data);
-  for (const json& animation : animations) {
-    const auto tracks = ReadTracks(animation, model.value().nodes.size(), accessors);
-    if (!tracks.ok()) return tracks.status();
-    const Sampler sampler(nodes.value(), bones.value(), tracks.value());
-    if (!sampler.Moves()) continue;
-    if (const Status status = sampler.Check(); !status.ok()) return status;
-    return GltfClip{sampler.Sample(), std::move(bones.value().skeleton)};
-  }
-  return Status::Error("found no animation that turns the humanoid's bones, expected one");
+  const MovingNodes moving(nodes.value(), bones.value(), model.value().nodes.size());
+  if (work.exceeded()) return work.Refusal();
+  const auto tracks = FindTracks(file.value(), chunks.value().data, moving);
+  if (!tracks.ok()) return tracks.status();
+  // Freed, so that they are not in memory beside the frames.
+  file.value() = json();
+  model.value() = gltf::Model();
+  const Sampler sampler(nodes.value(), bones.value(), moving, tracks.value(), bytes.size());
+  if (const Status status = sampler.Check(); !status.ok()) return status;
+  auto clip = sampler.Sample(work);
+  if (!clip.ok()) return clip.status();
+  return GltfClip{std::move(clip.value()), std::move(bones.value().skeleton)};
 }
 
 }  // namespace
 
 bool IsGltfBinary(std::string_view bytes) { return bytes.starts_with("glTF"); }
 
-Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name) {
+Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
+                               const ReadLimits& limits) {
   auto clip = IsGltfBinary(bytes)
-                  ? Read(bytes)
+                  ? Read(bytes, limits.work)
                   : Result<GltfClip>(Status::Error("expected glTF binary (.glb, .vrm, .vrma)"));
   return clip.ok() ? std::move(clip) : Status::Error(name + ": " + clip.status().message());
 }

@@ -2,6 +2,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "model/clip/gltf_nodes.h"
@@ -15,13 +16,25 @@ constexpr const char* kOnlyTwo =
     ", expected glTF 2.0: export it anew, or convert it (Blender reads and writes glTF)";
 // The number of JSON values that are kept. An avatar of 2000 nodes has 40 000.
 constexpr std::size_t kMaxValues = 1 << 20;
+constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
+
+// What kept values take, in bytes: of the heap, with what the allocator adds.
+namespace bytes_of {
+constexpr std::size_t kMember = 112;  // a map's node with a short key and its value
+constexpr std::size_t kEntry = 32;    // a value in a list that grows
+constexpr std::size_t kObject = 64, kList = 48, kString = 48;
+// A node is also an entry of Model, Nodes and the tables in which bones are searched.
+constexpr std::size_t kNode = 512;
+}  // namespace bytes_of
 
 // Builds only the used parts of a JSON text, in one pass: meshes, accessors, materials and
 // animations are most of a file. The library's own filter, json::parse with a callback, is too
 // slow: it searches the whole list again after every object in it.
 class Wanted final : public json::json_sax_t {
  public:
-  Wanted(json& root, bool with_motion) : root_(root), with_motion_(with_motion) {}
+  // `most`: bytes of memory; `all`: those of the file, for the message.
+  Wanted(json& root, bool with_motion, std::size_t most, std::size_t all)
+      : root_(root), with_motion_(with_motion), left_(most), all_(all) {}
 
   // Which limit was exceeded, as an error message; empty if none.
   const std::string& refused() const { return refused_; }
@@ -31,16 +44,26 @@ class Wanted final : public json::json_sax_t {
   bool number_integer(number_integer_t value) override { return Add(value); }
   bool number_unsigned(number_unsigned_t value) override { return Add(value); }
   bool number_float(number_float_t value, const string_t&) override { return Add(value); }
-  bool string(string_t& value) override { return Add(std::move(value)); }
+  bool string(string_t& value) override {
+    value.shrink_to_fit();
+    return Spend(bytes_of::kString + value.size()) && Add(std::move(value));
+  }
   bool binary(binary_t&) override { return false; }  // never in JSON text
-  bool start_object(std::size_t) override { return Open(json::value_t::object); }
-  bool start_array(std::size_t) override { return Open(json::value_t::array); }
+  bool start_object(std::size_t) override {
+    const bool node = of_nodes_ && open_.size() == 2;
+    return Spend(bytes_of::kObject + (node ? bytes_of::kNode : 0)) && Open(json::value_t::object);
+  }
+  bool start_array(std::size_t) override {
+    return Spend(bytes_of::kList) && Open(json::value_t::array);
+  }
   bool end_object() override { return Close(); }
   bool end_array() override { return Close(); }
   bool key(string_t& name) override {
     if (skipped_ > 0) return true;
     skip_next_ = !IsWanted(name);
-    if (!skip_next_) member_ = &(*open_.back())[std::move(name)];
+    if (skip_next_) return true;
+    if (!Spend(bytes_of::kMember + name.size())) return false;
+    member_ = &(*open_.back())[std::move(name)];
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const json::exception&) override {
@@ -72,6 +95,7 @@ class Wanted final : public json::json_sax_t {
     constexpr std::array<std::string_view, 2> kOfSamplers{"output", "interpolation"};
     if (open_.size() == 1) {
       of_extensions_ = name == "extensions";
+      of_nodes_ = name == "nodes";
       return IsOneOf(name, kTop) || (with_motion_ && IsOneOf(name, kTopOfMotion));
     }
     if (!of_extensions_) {
@@ -93,8 +117,21 @@ class Wanted final : public json::json_sax_t {
     }
     if (open_.empty()) return &root_;
     if (open_.back()->is_object()) return member_;
+    if (!Spend(bytes_of::kEntry)) return nullptr;
     open_.back()->push_back(nullptr);
     return &open_.back()->back();
+  }
+
+  // Whether there is room for so many bytes of a value that is kept.
+  bool Spend(std::size_t bytes) {
+    if (skipped_ > 0 || skip_next_) return true;
+    if (bytes <= left_) {
+      left_ -= bytes;
+      return true;
+    }
+    refused_ = "found more nodes and channels than a file of " + std::to_string(all_) +
+               " bytes has with a motion, expected a humanoid's";
+    return false;
   }
 
   template <typename T>
@@ -129,7 +166,9 @@ class Wanted final : public json::json_sax_t {
   std::size_t skipped_ = 0;     // depth within a value that is skipped
   bool skip_next_ = false;      // skip the last key's value
   bool of_extensions_ = false;  // the last key of the root was "extensions"
-  std::size_t values_ = 0;      // the number of kept values
+  bool of_nodes_ = false;       // or "nodes"
+  std::size_t left_, all_;
+  std::size_t values_ = 0;  // the number of kept values
   std::string refused_;
 };
 
@@ -141,6 +180,18 @@ Status CheckVersion(const json& file) {
   const auto& text = version.get_ref<const std::string&>();
   if (text.starts_with("2.")) return Status::Ok();
   return WrongVersion(Shown(text.substr(0, 16)));
+}
+
+Result<json> Parse(std::string_view text, bool with_motion, std::size_t most, std::size_t all) {
+  json file;
+  Wanted wanted(file, with_motion, most, all);
+  const char* const begin = text.data();
+  if (!json::sax_parse(begin, begin + text.size(), &wanted) || !file.is_object()) {
+    return wanted.refused().empty() ? Broken("found JSON that cannot be read")
+                                    : Status::Error(wanted.refused());
+  }
+  const Status status = CheckVersion(file);
+  return status.ok() ? Result<json>(std::move(file)) : Result<json>(status);
 }
 
 }  // namespace
@@ -186,15 +237,13 @@ Result<Chunks> SplitGlb(std::string_view bytes) {
   return chunks;
 }
 
-Result<json> ParseJson(const std::string& text, bool with_motion) {
-  json file;
-  Wanted wanted(file, with_motion);
-  if (!json::sax_parse(text, &wanted) || !file.is_object()) {
-    return wanted.refused().empty() ? Broken("found JSON that cannot be read")
-                                    : Status::Error(wanted.refused());
-  }
-  const Status status = CheckVersion(file);
-  return status.ok() ? Result<json>(std::move(file)) : Result<json>(status);
+Result<json> ParseJson(std::string_view text) {
+  return Parse(text, false, kUnlimited, text.size());
+}
+
+Result<json> ParseMotionJson(std::string_view text, std::size_t bytes) {
+  constexpr std::size_t kMemoryPerByte = 6, kAllowance = std::size_t{4} << 20;
+  return Parse(text, true, kMemoryPerByte * bytes + kAllowance, bytes);
 }
 
 }  // namespace styled::clip::gltf

@@ -17,6 +17,7 @@ using rig::Vec3;
 
 constexpr float kEven = 0.01F;  // scales whose axes differ by less count as uniform
 constexpr std::size_t kMaxNodes = 1 << 16;
+constexpr std::size_t kMaxName = 256;  // bytes of a node's name that are kept
 
 Status RefuseNode(int node, const std::string& what) {
   return Status::Error("node " + std::to_string(node) + " " + what + ", expected a tree of bones");
@@ -117,7 +118,7 @@ Humanoid ReadVrm(const Model& model) {
       if (rig::kTailNames[t] == bone) humanoid.tail[t] = *node;
     }
   };
-  const json bones = Member(model.vrm, "humanBones");
+  const json& bones = Member(model.vrm, "humanBones");
   for (const auto& [key, entry] : bones.items()) {
     const json bone = Member(entry, "bone");
     if (bones.is_object()) add(key, entry);
@@ -328,34 +329,46 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
   return bones;
 }
 
-Result<Model> ReadModel(const json& file) {
+Result<Model> ReadModel(json& file) {
   Model model;
-  const json& nodes = Member(file, "nodes");
+  // Taken out of the file, so that they are not in memory twice.
+  const auto take = [](json& object, const char* key) {
+    json taken;
+    if (object.is_object() && object.contains(key)) taken.swap(object[key]);
+    return taken;
+  };
+  json nodes = take(file, "nodes");
   if (nodes.is_array() && nodes.size() > kMaxNodes) {
     return Status::Error("found " + std::to_string(nodes.size()) + " nodes, expected at most " +
                          std::to_string(kMaxNodes));
   }
+  if (nodes.is_array()) model.nodes.reserve(nodes.size());
   for (std::size_t i = 0; nodes.is_array() && i < nodes.size(); ++i) {
-    const json& name = Member(nodes[i], "name");
+    const json node = std::exchange(nodes[i], nullptr);
+    const json& name = Member(node, "name");
     model.nodes.push_back(
-        {name.is_string() ? name.get<std::string>() : "", Indices(Member(nodes[i], "children")),
-         Numbers(Member(nodes[i], "translation")), Numbers(Member(nodes[i], "rotation")),
-         Numbers(Member(nodes[i], "scale")), Numbers(Member(nodes[i], "matrix"))});
+        {name.is_string() ? name.get_ref<const std::string&>().substr(0, kMaxName) : "",
+         Indices(Member(node, "children")), Numbers(Member(node, "translation")),
+         Numbers(Member(node, "rotation")), Numbers(Member(node, "scale")),
+         Numbers(Member(node, "matrix"))});
   }
-  const json& skins = Member(file, "skins");
+  json skins = take(file, "skins");
   for (std::size_t i = 0; skins.is_array() && i < skins.size(); ++i) {
-    model.skins.push_back(Indices(Member(skins[i], "joints")));
+    const json skin = std::exchange(skins[i], nullptr);
+    model.skins.push_back(Indices(Member(skin, "joints")));
   }
-  const json& extensions = Member(file, "extensions");
-  const json& one = Member(Member(extensions, "VRMC_vrm"), "humanoid");
-  const json& moving = Member(Member(extensions, "VRMC_vrm_animation"), "humanoid");
-  const json& zero = Member(Member(extensions, "VRM"), "humanoid");
+  json extensions = take(file, "extensions");
+  const auto humanoid = [&](const char* extension) {
+    json of = take(extensions, extension);
+    return take(of, "humanoid");
+  };
+  json one = humanoid("VRMC_vrm"), moving = humanoid("VRMC_vrm_animation"), zero = humanoid("VRM");
   if (Member(one, "humanBones").is_object()) {
-    model.vrm = one;
+    model.vrm = std::move(one);
   } else if (Member(moving, "humanBones").is_object()) {
-    model.vrm = moving;
+    model.vrm = std::move(moving);
   } else if (Member(zero, "humanBones").is_array()) {
-    model.vrm = zero;
+    model.vrm = std::move(zero);
   }
   return model;
 }

@@ -74,10 +74,14 @@ const nlohmann::json& Member(const nlohmann::json& object, const char* key);
 // A number of the list of an object's key; empty if it is no index.
 std::optional<int> IndexOf(const nlohmann::json& object, const char* key);
 
-// The used parts of the JSON, `with_motion` also accessors and animations. Refuses text that is not
-// JSON, is nested too deep, has too many values, or another version than glTF 2.
-Result<nlohmann::json> ParseJson(const std::string& text, bool with_motion);
-Result<Model> ReadModel(const nlohmann::json& file);
+// The used parts of the JSON. Refuses text that is not JSON, is nested too deep, has too many
+// values, or another version than glTF 2.
+Result<nlohmann::json> ParseJson(std::string_view text);
+// The same with accessors and animations, of a client's file of `bytes`: what is kept takes at most
+// 6 times as much memory, and 4 MiB, with what ReadModel and Nodes make of it.
+Result<nlohmann::json> ParseMotionJson(std::string_view text, std::size_t bytes);
+// Takes nodes, skins and humanoid out of `file`.
+Result<Model> ReadModel(nlohmann::json& file);
 
 // A JSON text is at most as long.
 inline constexpr std::size_t kMaxJson = std::size_t{64} << 20;

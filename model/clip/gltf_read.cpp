@@ -161,9 +161,9 @@ Result<GltfSkeleton> ReadFile(const std::filesystem::path& file, const rig::Join
   };
   const auto text = ReadJsonText(opened.value());
   if (!text.ok()) return refuse(text.status());
-  const auto read = gltf::ParseJson(text.value(), false);
+  auto read = gltf::ParseJson(text.value());
   if (!read.ok()) return refuse(read.status());
-  const json& parsed = read.value();
+  json& parsed = read.value();
   const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   if (const Status status = CheckUris(parsed, folder); !status.ok()) return refuse(status);
   const auto model = gltf::ReadModel(parsed);
