@@ -11,11 +11,15 @@
 #include <system_error>
 #include <tuple>
 
+#include "model/base/read_file.h"
+#include "model/base/toml_nesting.h"
+
 namespace styled::clip {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMaxManifestBytes = std::size_t{1} << 20;  // our longest has 20 kB
 constexpr std::size_t kLongestPattern = 1000;
 constexpr int kMostMistakes = 20;  // [[clips]] that are reported at once
 
@@ -116,9 +120,14 @@ class Loader {
   Loader(const fs::path& file, const fs::path& data_folder) : file_(file), data_(data_folder) {}
 
   Result<Manifest> Run() {
+    const auto text = styled::ReadFile(file_.string(), kMaxManifestBytes);
+    if (!text.ok()) return text.status();
+    if (const auto line = FindTooDeepToml(text.value())) {
+      return Status::Error(file_.string() + ":" + std::to_string(*line) + ": " + TooDeepToml());
+    }
     toml::table root;
     try {
-      root = toml::parse_file(file_.string());
+      root = toml::parse(text.value(), file_.string());
     } catch (const toml::parse_error& error) {
       return Status::Error(file_.string() + ":" + std::to_string(error.source().begin.line) +
                            ": found " + std::string(error.description()) + ", expected TOML");

@@ -115,6 +115,11 @@ TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
     EXPECT_THAT(Refusal(text), HasSubstr(message));
     EXPECT_THAT(Refusal(text), HasSubstr("manifest.toml"));
   }
+  std::string deep;  // overflows the stack of a reader that descends
+  for (int i = 0; i < 200'000; ++i) deep += "a.";
+  EXPECT_THAT(Refusal(kHead + deep + "a = 1\n"), HasSubstr("nested too deep"));
+  EXPECT_THAT(Refusal("#" + std::string(1 << 20, '#')),
+              HasSubstr("larger than the limit of 1 MiB"));
   EXPECT_THAT(LoadManifest("/nonexistent.toml", "/").status().message(),
               HasSubstr("/nonexistent.toml"));
 }
