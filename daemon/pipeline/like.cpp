@@ -1,5 +1,6 @@
 #include "daemon/pipeline/like.h"
 
+#include <deque>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,24 +19,33 @@ constexpr std::size_t kMaxSource = 200;  // bytes of a source's name that are ke
 
 // A clip in one of the formats, as canonical poses at its own rate.
 struct Poses {
-  std::vector<body::Pose> poses;
+  std::deque<body::Pose> poses;
   double rate_hz = 0;
 };
 
-Result<Poses> ReadGltf(const v1::Like& like, const std::string& name, const std::string& rig) {
-  const auto clip = clip::ParseGltfClip(like.clip(), name);
-  if (!clip.ok()) return clip.status();
-  const auto bound = clip::BindGltf(clip.value(), rig);
+Result<Poses> Bound(Result<clip::Clip>&& clip, const Result<rig::Binding>& bound,
+                    const std::string& name, const WorkLimit& work) {
   if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
-  return Poses{clip::ToCanonical(clip.value().clip, bound.value()), clip.value().clip.rate_hz};
+  const double rate_hz = clip.value().rate_hz;
+  auto poses = clip::ToCanonical(std::move(clip.value()), bound.value(), work, name);
+  if (!poses.ok()) return poses.status();
+  return Poses{std::move(poses.value()), rate_hz};
 }
 
-Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::string& rig) {
-  const auto clip = clip::ParseBvh(like.clip(), name);
+Result<Poses> ReadGltf(const v1::Like& like, const std::string& name, const std::string& rig,
+                       const clip::ReadLimits& limits) {
+  auto clip = clip::ParseGltfClip(like.clip(), name, limits);
+  if (!clip.ok()) return clip.status();
+  const auto bound = clip::BindGltf(clip.value(), rig);
+  return Bound(std::move(clip.value().clip), bound, name, limits.work);
+}
+
+Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::string& rig,
+                      const clip::ReadLimits& limits) {
+  auto clip = clip::ParseBvh(like.clip(), name, limits);
   if (!clip.ok()) return clip.status();
   const auto bound = rig::BindDialect(clip.value().skeleton, rig);
-  if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
-  return Poses{clip::ToCanonical(clip.value(), bound.value()), clip.value().rate_hz};
+  return Bound(std::move(clip), bound, name, limits.work);
 }
 
 // What a clip is that is neither; "" unknown.
@@ -48,23 +58,22 @@ std::string_view OtherFormat(std::string_view bytes) {
 
 // The clip's poses at the network's rate.
 Refusal ReadClip(const v1::Like& like, const net::Model& model, const net::StyleSpace& space,
-                 std::vector<body::Pose>& poses, float& seconds) {
+                 const WorkLimit& work, std::vector<body::Pose>& poses, float& seconds) {
   const std::string name = like.file().empty() ? "the clip" : Printable(like.file(), kMaxSource);
   const std::string rig = like.rig().empty() ? "auto" : like.rig();
   if (const std::string_view other = OtherFormat(like.clip()); !other.empty()) {
     return Malformed(name + ": found " + std::string(other) +
                      ", expected BVH, glTF binary (.glb) or VRMA");
   }
-  const auto read =
-      clip::IsGltfBinary(like.clip()) ? ReadGltf(like, name, rig) : ReadBvh(like, name, rig);
+  const clip::ReadLimits limits{.longest_s = kLongestExample_s, .work = work};
+  const auto read = clip::IsGltfBinary(like.clip()) ? ReadGltf(like, name, rig, limits)
+                                                    : ReadBvh(like, name, rig, limits);
   if (!read.ok()) return Malformed(read.status().message());
   const auto& [own, own_hz] = read.value();
   const double length_s = static_cast<double>(own.size() - 1) / own_hz;
-  if (length_s > kLongestExample_s) {
-    return Malformed(name + ": found " + NumberText(static_cast<float>(length_s), 2) +
-                     " s, expected at most " + NumberText(static_cast<float>(kLongestExample_s)));
-  }
-  poses = clip::ResamplePoses(own, own_hz, static_cast<double>(model.rate_hz));
+  auto resampled = clip::ResamplePoses(own, own_hz, static_cast<double>(model.rate_hz), work, name);
+  if (!resampled.ok()) return Malformed(resampled.status().message());
+  poses = std::move(resampled.value());
   if (static_cast<int>(poses.size()) < space.least_frames()) {
     return Malformed(name + ": found " + std::to_string(poses.size()) + " frames at " +
                      NumberText(model.rate_hz) + " Hz, expected at least " +
@@ -131,7 +140,7 @@ Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
 
 // The code, and what it is made of: poses for `example`, seconds in `style`.
 Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
-                 std::span<const body::Pose> take, MadeStyle& style,
+                 std::span<const body::Pose> take, const WorkLimit& work, MadeStyle& style,
                  std::vector<body::Pose>& example) {
   const net::Model& model = running.network->model();
   const net::StyleSpace& space = *running.network->space();
@@ -144,7 +153,7 @@ Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
     refusal = FindVariation(like.vary(), running, request);
     style.source = like.vary().style() + ", variation " + std::to_string(like.vary().seed());
   } else {
-    if (take.empty()) refusal = ReadClip(like, model, space, example, style.seconds);
+    if (take.empty()) refusal = ReadClip(like, model, space, work, example, style.seconds);
     request.sources = {{.style = -1, .seed = {}, .reference = example}};
   }
   if (!refusal.ok()) return refusal;
@@ -185,14 +194,14 @@ bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& re
 
 std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
                                         std::span<const body::Pose> take, v1::Reply& reply,
-                                        std::vector<body::Pose>* example) {
+                                        std::vector<body::Pose>* example, const WorkLimit& work) {
   MadeStyle style;
   style.name = like.name();
   style.source = Printable(like.file(), kMaxSource);
   style.licence = running.network->model().licence;
   std::vector<body::Pose> poses;
   if (!CheckLike(running, like, reply) ||
-      !MakeCode(like, running, take, style, poses).Accept("like", reply)) {
+      !MakeCode(like, running, take, work, style, poses).Accept("like", reply)) {
     return nullptr;
   }
   std::shared_ptr<RuntimeConfig> made;

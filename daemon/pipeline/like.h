@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "daemon/pipeline/runtime_config.h"
+#include "model/base/work_limit.h"
 #include "model/body/pose.h"
 #include "proto/styled/v1/control.pb.h"
 
@@ -25,10 +26,14 @@ void Say(const MadeStyle& style, v1::LikeReply& said);
 // Fills code, reason and result of `reply`. `take`: what a performer showed for Like.learn_s, at
 // the network's rate. In `like` the example is then replaced by the code, so that a recording holds
 // the style and not the example. `example`, if given: the example's poses at the network's rate;
-// empty without one. Blocks (10 s of clip: a tenth of a second); allocates; any thread, but not the
-// pipeline's. Pinned by tests/e2e/like_test.cpp.
+// empty without one. `work`: what reading the clip may take; beyond it the Like is refused before
+// its code is computed, which takes a bounded time more. Blocks (10 s of clip: a tenth of a
+// second); allocates at most 8 times the clip's bytes and 8 MiB beside what the network takes; any
+// thread, but not the pipeline's. Pinned by tests/e2e/like_test.cpp,
+// tests/unit/clip/hostile_clips_test.cpp.
 std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
                                         std::span<const body::Pose> take, v1::Reply& reply,
-                                        std::vector<body::Pose>* example = nullptr);
+                                        std::vector<body::Pose>* example = nullptr,
+                                        const WorkLimit& work = {});
 
 }  // namespace styled::pipeline
