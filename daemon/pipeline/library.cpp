@@ -10,6 +10,7 @@
 
 #include "daemon/pipeline/placing.h"
 #include "daemon/pipeline/style_file.h"
+#include "model/base/hash.h"
 #include "model/base/read_file.h"
 #include "model/base/write_file.h"
 
@@ -51,7 +52,7 @@ Status Take(const std::filesystem::path& file, RuntimeConfig& config) {
                          "\"; expected the file's name");
   }
   const auto known = config.made.find(name);
-  const bool same = known != config.made.end() && known->second->file == text.value();
+  const bool same = known != config.made.end() && known->second->file_hash == HashOf(text.value());
   const Refusal refusal = same ? Refusal() : PutStyle(std::move(style.value()), config);
   if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.reason);
   config.kept.insert(name);
@@ -74,8 +75,9 @@ Status WriteStyle(const std::string& name, RuntimeConfig& config) {
   std::error_code error;  // the write says what is wrong
   std::filesystem::create_directories(config.style.library, error);
   MadeStyle style = *config.made.at(name);
-  style.file = FormatStyleFile(style, config);
-  const Status written = WriteFileAtomically(FileOf(config, name, kStyle), style.file);
+  const std::string text = FormatStyleFile(style, config);
+  style.file_hash = HashOf(text);
+  const Status written = WriteFileAtomically(FileOf(config, name, kStyle), text);
   if (!written.ok()) return written;
   config.made[name] = std::make_shared<const MadeStyle>(std::move(style));
   config.kept.insert(name);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -20,8 +21,9 @@ struct MadeStyle {
   float distance = 0;   // to it, as in LikeReply
   std::string example;  // hash of the example that the library keeps (library.h); "" none
   std::string licence;  // of the weights that it was made with
-  // The file that it was read from: what others wrote into it stays. "": none.
-  std::string file;
+  // HashOf the text of its file in the library; 0: none. A file that is still the same is not read
+  // anew.
+  std::uint64_t file_hash = 0;
 };
 
 using MadeStyles = std::map<std::string, std::shared_ptr<const MadeStyle>, std::less<>>;
