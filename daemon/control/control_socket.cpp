@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 
+#include "daemon/control/request_size.h"
 #include "daemon/pipeline/style_requests.h"
 #include "daemon/security/ipc.h"
 
@@ -93,6 +94,12 @@ void ControlSocket::Handle() {
     Refuse(envelope, v1::CODE_TOO_LARGE, why);
   };
   if (const std::string why = TooLarge(payload.size(), true); !why.empty()) return refuse_size(why);
+  if (const RequestSize size = SizeOfRequest(payload); size.beside_file > MostBesideFile(size)) {
+    const std::string of_bytes =
+        size.beside_file < payload.size() ? " bytes beside its file" : " bytes";
+    return refuse_size("request of " + std::to_string(size.beside_file) + of_bytes +
+                       ", expected at most " + std::to_string(MostBesideFile(size)));
+  }
   if (!exchange->request.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
     if (payload.size() > kMaxRequestBytes) return refuse_size(TooLarge(payload.size(), false));
     counters_.Add(Counter::kControlMalformed);
