@@ -416,6 +416,24 @@ void Rehearsal::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
   scratch_->stylist.Adopt(std::move(network));
 }
 
+std::shared_ptr<Rehearsal> Rehearsal::Shared(const std::shared_ptr<const net::Stylizer>& network,
+                                             const std::shared_ptr<const rig::Binding>& binding,
+                                             const Options& options) {
+  thread_local std::vector<std::weak_ptr<Rehearsal>> rehearsals;
+  std::erase_if(rehearsals, [](const auto& kept) { return kept.expired(); });
+  const auto fits = [&](const Rehearsal& kept) {
+    const Stylist::Impl& s = *kept.scratch_->stylist.impl_;
+    return s.predictor.network() == network.get() &&
+           s.binding->skeleton().joint_count() == binding->skeleton().joint_count();
+  };
+  for (const auto& kept : rehearsals) {
+    if (auto shared = kept.lock(); fits(*shared)) return shared;
+  }
+  auto made = std::make_shared<Rehearsal>(network, binding, options);
+  rehearsals.push_back(made);
+  return made;
+}
+
 // Runs the last pose through the scratch stylist, at the usual frame interval.
 void Rehearsal::Prewarm(const Stylist& stylist) noexcept {
   const Stylist::Impl& s = *stylist.impl_;

@@ -125,10 +125,16 @@ class Stylist {
 // Brings the code and data of a stylist's next Process into the caches, because between two frames
 // of 120 Hz everything else on the machine evicts them. It is a second stylist of the same network
 // and skeleton, with streams of its own, that processes the first one's last pose again. The first
-// one's results do not change. Useful live only. Construction allocates. Must be used on the
-// stylist's thread.
+// one's results do not change. Useful live only. Construction allocates: as much as a stylist, half
+// a megabyte to two. So the stylists of a thread share one where their skeletons have as many
+// joints. Must be used on the stylists' thread. Pinned by tests/unit/stylist/stylist_test.cpp.
 class Rehearsal {
  public:
+  // That of this thread's stylists with this network and as many joints, made with `options` if
+  // there is none yet: other options need the same code and data.
+  static std::shared_ptr<Rehearsal> Shared(const std::shared_ptr<const net::Stylizer>& network,
+                                           const std::shared_ptr<const rig::Binding>& binding,
+                                           const Options& options);
   // The arguments of the stylist's constructor.
   Rehearsal(std::shared_ptr<const net::Stylizer> network,
             std::shared_ptr<const rig::Binding> binding, const Options& options);

@@ -15,7 +15,7 @@ Styling::Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Co
       left_handed_(body.left_handed),
       counters_(counters),
       stylist_(config.network, body.binding, config.stylist),
-      rehearsal_(config.network, body.binding, config.stylist),
+      rehearsal_(stylist::Rehearsal::Shared(config.network, body.binding, config.stylist)),
       in_(body.binding->skeleton()),
       out_(body.binding->skeleton()) {}
 
@@ -30,13 +30,13 @@ std::vector<std::string> Styling::ApplyLook(const Profile& profile, const Runtim
 
 void Styling::Rebuild(const BoundBody& body, const RuntimeConfig& config) {
   stylist_ = stylist::Stylist(config.network, body.binding, config.stylist);
-  rehearsal_ = stylist::Rehearsal(config.network, body.binding, config.stylist);
+  rehearsal_ = stylist::Rehearsal::Shared(config.network, body.binding, config.stylist);
   has_output_ = false;
 }
 
 void Styling::Adopt(const RuntimeConfig& config) {
   stylist_.Adopt(config.network);
-  rehearsal_.Adopt(config.network);
+  rehearsal_->Adopt(config.network);
 }
 
 void Styling::SetInput(rig::RigPose& received) noexcept {

@@ -49,7 +49,7 @@ class Styling {
   // including `extra_flags`.
   STYLED_REALTIME void Finish(std::uint32_t extra_flags) noexcept;
   // Brings the next frame's data into the caches. Changes nothing.
-  STYLED_REALTIME void Prewarm() noexcept { rehearsal_.Prewarm(stylist_); }
+  STYLED_REALTIME void Prewarm() noexcept { rehearsal_->Prewarm(stylist_); }
 
   // Ends the second of which Describe tells.
   void Sample() noexcept;
@@ -75,7 +75,7 @@ class Styling {
   bool left_handed_;
   runtime::Counters& counters_;
   stylist::Stylist stylist_;
-  stylist::Rehearsal rehearsal_;  // of the stylist, before a frame is due
+  std::shared_ptr<stylist::Rehearsal> rehearsal_;  // of the stylist, before a frame is due
   rig::RigPose in_;
   stylist::Output out_;
   bool has_output_ = false;

@@ -318,6 +318,26 @@ TEST_F(StylistTest, PrewarmingChangesNothing) {
   }
 }
 
+// A rehearsal takes as much memory as a stylist: with one for each, half as many performers fit.
+TEST_F(StylistTest, StylistsOfAsManyJointsShareARehearsalThatChangesNoneOfThem) {
+  const auto shared = Rehearsal::Shared(network, binding, options);
+  EXPECT_EQ(Rehearsal::Shared(network, binding, options), shared);
+  Stylist warmed(network, binding, options), second(network, binding, options),
+      cold(network, binding, options);
+  Output other(skeleton);
+  warmed.Set(Style(1));
+  second.Set(Style(2));
+  cold.Set(Style(1));
+  for (int frame = 0; frame < 40; ++frame) {
+    shared->Prewarm(second);
+    Feed(second, frame);
+    shared->Prewarm(warmed);
+    Feed(warmed, frame);
+    cold.Process(Time(frame), PoseAt(static_cast<double>(Time(frame)) * 1e-9, skeleton), other);
+    ASSERT_TRUE(SameBits(out.rig, other.rig)) << frame;
+  }
+}
+
 TEST_F(StylistTest, TheChangeDoesNotDependOnWhereThePerformerStandsOrFaces) {
   Stylist here(network, binding, options), there(network, binding, options);
   here.Set(Style(2));
