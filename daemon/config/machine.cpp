@@ -6,9 +6,12 @@
 #include <netinet/in.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 
 namespace styled::config {
 namespace {
@@ -61,6 +64,38 @@ Status CheckRecordFolder(const std::string& file) {
   if (!fs::is_directory(folder, error)) return refuse("is no folder");
   if (access(folder.c_str(), W_OK | X_OK) != 0) return refuse(std::strerror(errno));
   return Status::Ok();
+}
+
+std::optional<std::uint64_t> MemoryLimit(const std::string& cgroups, const std::string& root) {
+  namespace fs = std::filesystem;
+  constexpr std::string_view kUnified = "0::/";  // of version 2; others have no memory.max
+  std::ifstream list(cgroups);
+  std::string line;
+  while (std::getline(list, line) && !line.starts_with(kUnified)) {
+  }
+  if (!line.starts_with(kUnified)) return std::nullopt;
+  std::optional<std::uint64_t> least;
+  fs::path group = fs::path(root) / line.substr(kUnified.size());
+  while (true) {
+    std::uint64_t bytes = 0;  // the file may also hold "max"
+    if (std::ifstream(group / "memory.max") >> bytes)
+      least = std::min(least.value_or(bytes), bytes);
+    if (group == fs::path(root) || group == group.parent_path()) return least;
+    group = group.parent_path();
+  }
+}
+
+std::string MemoryWarning(int max_performers, std::optional<std::uint64_t> limit_bytes) {
+  const auto wanted = static_cast<std::uint64_t>(max_performers);
+  const std::uint64_t needed = kDaemonBytes + wanted * kPerformerBytes;
+  if (!limit_bytes || needed <= *limit_bytes) return "";
+  const auto mib = [](std::uint64_t bytes) { return std::to_string(bytes >> 20U) + "M"; };
+  const std::uint64_t fit =
+      *limit_bytes > kDaemonBytes ? (*limit_bytes - kDaemonBytes) / kPerformerBytes : 0;
+  return "performers.max_performers: found " + std::to_string(max_performers) +
+         ", which need about " + mib(needed) + " of memory, but the limit is " + mib(*limit_bytes) +
+         ", enough for " + std::to_string(fit) + "; expected MemoryMax=" + mib(needed) +
+         " in the unit, or fewer performers";
 }
 
 }  // namespace styled::config
