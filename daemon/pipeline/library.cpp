@@ -13,6 +13,8 @@
 #include "model/base/hash.h"
 #include "model/base/read_file.h"
 #include "model/base/write_file.h"
+#include "model/clip/clip.h"
+#include "model/synthetic/performer.h"
 
 namespace styled::pipeline {
 namespace {
@@ -105,6 +107,26 @@ void ReadLibrary(RuntimeConfig& config) {
   for (const std::filesystem::path& file : files) {
     const Status taken = Take(file, config);
     if (!taken.ok()) config.complaints.push_back("style.library: " + taken.message());
+  }
+}
+
+std::string ExampleText(const std::vector<body::Pose>& poses, double rate_hz,
+                        std::size_t most_bytes) {
+  if (poses.empty()) return "";
+  clip::Clip clip;
+  clip.skeleton = synthetic::MakeSkeleton({});
+  for (std::size_t every = 1;; ++every) {
+    clip.rate_hz = rate_hz / static_cast<double>(every);
+    clip.frames.clear();
+    for (std::size_t i = 0; i < poses.size(); i += every) {
+      rig::RigPose& frame = clip.frames.emplace_back(clip.skeleton);
+      frame.translations[body::kHips] = poses[i].hips_position_m;
+      frame.rotations.assign(poses[i].rotations.begin(), poses[i].rotations.end());
+    }
+    std::string text = clip::FormatBvh(clip);
+    if (text.size() <= most_bytes || rate_hz < static_cast<double>(every + 1)) return text;
+    every = std::max(every, every * text.size() / most_bytes);  // nearly the one that fits
+    every = std::min(every, static_cast<std::size_t>(rate_hz) - 1);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "daemon/pipeline/style_requests.h"
 
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -8,25 +9,15 @@
 #include "daemon/pipeline/placing.h"
 #include "daemon/pipeline/style_file.h"
 #include "model/base/text.h"
-#include "model/clip/clip.h"
-#include "model/synthetic/performer.h"
 
 namespace styled::pipeline {
 namespace {
 
-// Poses as the text of a BVH file, of the canonical humanoid in metres.
-std::string AsBvh(const std::vector<body::Pose>& poses, double rate_hz) {
-  if (poses.empty()) return "";
-  clip::Clip clip;
-  clip.skeleton = synthetic::MakeSkeleton({});
-  clip.rate_hz = rate_hz;
-  clip.frames.reserve(poses.size());
-  for (const body::Pose& pose : poses) {
-    rig::RigPose& frame = clip.frames.emplace_back(clip.skeleton);
-    frame.translations[body::kHips] = pose.hips_position_m;
-    frame.rotations.assign(pose.rotations.begin(), pose.rotations.end());
-  }
-  return clip::FormatBvh(clip);
+// The most bytes of the example that is kept of a clip; of a take, all of it.
+std::size_t MostKept(const v1::Like& like) {
+  constexpr std::size_t kAllowance = std::size_t{64} << 10U;
+  return like.clip().empty() ? std::numeric_limits<std::size_t>::max()
+                             : 2 * like.clip().size() + kAllowance;
 }
 
 Refusal NotKept(const Status& status) {
@@ -84,6 +75,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& ru
                                                          Exchange& exchange) {
   v1::Like& like = *exchange.request.mutable_like();
   if (like.learn_s() != 0 && like.file().empty()) like.set_file(exchange.request.performer());
+  const std::size_t most_bytes = MostKept(like);
   std::vector<body::Pose> example;
   const auto made = AddStyle(running, like, exchange.take, exchange.reply, &example);
   if (made == nullptr) return nullptr;
@@ -91,7 +83,8 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& ru
   said_ = "style " + reply.name() + " made of an example; nearest to " + reply.nearest() + ", at " +
           NumberText(reply.distance(), 2) + " of the distance of styles";
   if (made->style.library.empty()) return made;
-  const std::string text = AsBvh(example, static_cast<double>(made->network->model().rate_hz));
+  const std::string text =
+      ExampleText(example, static_cast<double>(made->network->model().rate_hz), most_bytes);
   MadeStyle style = *made->made.at(reply.name());
   if (!text.empty()) style.example = HashOfExample(text);
   made->made[reply.name()] = std::make_shared<const MadeStyle>(std::move(style));
