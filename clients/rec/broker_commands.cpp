@@ -8,6 +8,7 @@
 #include "clients/nats/recordings.h"
 #include "clients/nats/subject.h"
 #include "clients/rec/commands.h"
+#include "clients/rec/terminal.h"
 #include "clients/rec/time_text.h"
 #include "proto/recording/writer.h"
 
@@ -186,7 +187,7 @@ Status ShowRecording(Recordings& recordings, std::ostream& out) {
   const auto looked = recordings.Look();
   if (!looked.ok()) return looked.status();
   const stylenats::RecordingState& state = looked.value();
-  out << "streams: " << StreamsOf(state.subjects) << "\n"
+  out << "streams: " << ForTerminal(StreamsOf(state.subjects)) << "\n"
       << "size: " << static_cast<double>(state.bytes) / kGigabyte << " of "
       << static_cast<double>(state.max_bytes) / kGigabyte << " GB, " << state.messages
       << " messages\n"
@@ -195,7 +196,8 @@ Status ShowRecording(Recordings& recordings, std::ostream& out) {
     out << "; from " << TimeText(state.first_ns) << " to " << TimeText(state.last_ns);
   }
   out << "\n";
-  for (const auto& [name, line] : LinesOf(state.recorded)) out << name << ": " << line << "\n";
+  for (const auto& [name, line] : LinesOf(state.recorded))
+    out << ForTerminal(name + ": " + line) << "\n";
   return Status::Ok();
 }
 

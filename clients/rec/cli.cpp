@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "clients/rec/commands.h"
+#include "clients/rec/terminal.h"
 #include "clients/rec/time_text.h"
 
 namespace styled::rec {
@@ -317,12 +318,13 @@ int Program::Run(vector<string> arguments) {
   if (!usage.ok()) return Usage(usage.message());
   const Status status = run_(a_, to_);
   if (status.ok()) return kExitOk;
-  to_.err << "stylerec: " << status.message() << "\n";
+  to_.err << "stylerec: " << ForTerminal(status.message()) << "\n";
   return kExitFailed;
 }
 
 int Program::Usage(const string& text) {
-  to_.err << "stylerec: " << text << "\n  see stylerec --help, stylerec COMMAND --help\n";
+  to_.err << "stylerec: " << ForTerminal(text)
+          << "\n  see stylerec --help, stylerec COMMAND --help\n";
   return kExitUsage;
 }
 

@@ -154,7 +154,11 @@ Status RunExport(const Arguments& a, const Dependencies& to) {
          << " seconds=" << it.times_s.back() << " joints=" << it.skeleton.joint_count()
          << " metres_per_unit=" << it.metres_per_unit << (it.unit_known ? "" : " (by hips height)")
          << " restarts=" << it.restarts << " on_other_bodies=" << it.on_other_bodies
-         << " unusable=" << it.unusable << "\n";
+         << " unusable=" << it.unusable;
+  if (it.pauses > 0) {
+    to.out << " pauses_shortened=" << it.pauses << " left_out_s=" << it.left_out_s;
+  }
+  to.out << "\n";
   ReportDamage(*reader.value(), to);
   return Status::Ok();
 }

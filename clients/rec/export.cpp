@@ -9,7 +9,9 @@
 namespace styled::rec {
 namespace {
 
-constexpr double kMaxFrames = 1e7;
+// A clip has at most so many frames per frame of the take, beside a fixed number: a minute and a
+// half at 1000 Hz.
+constexpr double kFramesPerFrame = 16, kFrames = 1e5;
 
 // The nominal rate: "120" for a median step of 8.3333 ms. An integer or an NTSC rate, if one is
 // near enough.
@@ -71,9 +73,12 @@ Result<clip::Clip> ToClip(const Take& take, double rate_hz) {
   if (!(wanted_hz >= 1 && wanted_hz <= 1000)) {
     return Status::Error("found a rate of " + NumberText(wanted_hz) + " Hz, expected 1 to 1000");
   }
-  if (take.times_s.back() * std::max(own_hz, wanted_hz) > kMaxFrames) {
-    return Status::Error(take.performer + ": found " + NumberText(take.times_s.back(), 3) +
-                         " s, expected at most ten million frames; a lower --rate is shorter");
+  const double most = kFramesPerFrame * static_cast<double>(take.frames.size()) + kFrames;
+  if (take.times_s.back() * std::max(own_hz, wanted_hz) > most) {
+    return Status::Error(take.performer + ": found " + std::to_string(take.frames.size()) +
+                         " frames in " + NumberText(take.times_s.back(), 3) +
+                         " s, expected at most " + NumberText(most) +
+                         " at a constant rate; a lower --rate has fewer");
   }
   clip::Clip clip;
   clip.skeleton = take.skeleton;

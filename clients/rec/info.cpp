@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "model/base/text.h"
+
 namespace styled::rec {
 namespace {
 
@@ -97,12 +99,10 @@ double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return static_cast<double>(to_ns - from_ns) * 1e-9;
 }
 
-// The text may come from an untrusted sender: removes newlines and escape sequences.
-std::string Plain(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
-  }
-  return text;
+// The text may come from an untrusted sender: one line, without escape sequences.
+std::string Plain(const std::string& text) {
+  constexpr std::size_t kMost = 4000;  // bytes
+  return Printable(text, kMost);
 }
 
 template <typename... Values>
@@ -124,7 +124,7 @@ std::string Date(std::int64_t unix_ns) {
 void WriteText(const recording::Reader& reader, const Summary& summary, std::ostream& out) {
   const auto& header = reader.header();
   const auto& counts = reader.counts();
-  out << reader.name() << ": "
+  out << Plain(reader.name()) << ": "
       << Format("%.3f s, %llu records in %llu blocks\n", Seconds(summary.first_ns, summary.last_ns),
                 static_cast<unsigned long long>(counts.records),
                 static_cast<unsigned long long>(counts.blocks));
@@ -217,7 +217,8 @@ json MakeJson(const recording::Reader& reader, const Summary& summary) {
 void Info(recording::Reader& reader, bool as_json, std::ostream& out) {
   const Summary summary = Gather(reader);
   if (as_json) {
-    out << MakeJson(reader, summary).dump(-1, ' ', false, json::error_handler_t::replace) << "\n";
+    // All but ASCII is escaped: among it are control characters of its own.
+    out << MakeJson(reader, summary).dump(-1, ' ', true, json::error_handler_t::replace) << "\n";
   } else {
     WriteText(reader, summary, out);
   }

@@ -8,6 +8,7 @@
 #include "clients/rec/publish_outlet.h"
 #include "clients/rec/rig_outlet.h"
 #include "clients/rec/steering.h"
+#include "clients/rec/terminal.h"
 
 namespace styled::rec {
 namespace {
@@ -165,7 +166,8 @@ struct Outlets {
     }
     to.out << "\n";
     if (!steering) return;
-    for (const string& line : steering->refused()) to.err << "stylerec: refused: " << line << "\n";
+    for (const string& line : steering->refused())
+      to.err << "stylerec: refused: " << ForTerminal(line) << "\n";
   }
 };
 

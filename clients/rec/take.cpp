@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "clients/cpp/transforms.h"
 #include "clients/rec/rig_frames.h"
@@ -18,6 +19,7 @@ namespace {
 using rig::Quat;
 using rig::Vec3;
 
+constexpr std::size_t kMostBytes = std::size_t{2} << 30;  // of poses
 constexpr std::uint64_t kBack_ns = 1'000'000'000, kJump_ns = 3600ULL * 1'000'000'000;
 
 // A frame, from either of the two message types.
@@ -129,10 +131,9 @@ class Timeline {
     } else if (frame.time_ns <= last_ns_ || frame.time_ns - last_ns_ > kJump_ns) {
       // The clock restarted: continue by the time between the arrivals, at least 1 ms.
       ++restarts;
-      const std::int64_t silence_ns =
-          std::max<std::int64_t>(frame.arrival_ns - arrival_ns_, 1'000'000);
-      before_s_ +=
-          static_cast<double>(last_ns_ - begin_ns_) * 1e-9 + static_cast<double>(silence_ns) * 1e-9;
+      const double silence_ns =
+          std::max(static_cast<double>(frame.arrival_ns) - static_cast<double>(arrival_ns_), 1e6);
+      before_s_ += static_cast<double>(last_ns_ - begin_ns_) * 1e-9 + silence_ns * 1e-9;
       begin_ns_ = frame.time_ns;
     }
     last_ns_ = frame.time_ns;
@@ -264,6 +265,20 @@ bool AddPose(const Frame& frame, Take& take) {
   return true;
 }
 
+// Lets the times begin with 0, and leaves out what exceeds kLongestPause_s of a pause.
+void ShortenPauses(Take& take) {
+  double before_s = take.times_s.front(), left_out_s = before_s;
+  for (double& time_s : take.times_s) {
+    const double pause_s = time_s - std::exchange(before_s, time_s);
+    if (pause_s > kLongestPause_s) {
+      ++take.pauses;
+      take.left_out_s += pause_s - kLongestPause_s;
+      left_out_s += pause_s - kLongestPause_s;
+    }
+    time_s -= left_out_s;
+  }
+}
+
 }  // namespace
 
 Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what,
@@ -304,6 +319,11 @@ Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, W
     }
     const auto time_s = timeline.Next(*frame, take.restarts);
     if (!time_s) continue;
+    if (take.frames.size() >= kMostBytes / clip::FrameBytes(take.skeleton.names.size())) {
+      return Status::Error(reader.name() + ": found more than " +
+                           std::to_string(take.frames.size()) + " frames of " + finder.topic() +
+                           ", expected at most 2 GiB of poses");
+    }
     if (AddPose(*frame, take)) {
       take.times_s.push_back(*time_s);
     } else {
@@ -314,8 +334,7 @@ Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, W
     return Status::Error(reader.name() + ": found no frame of " + finder.topic() +
                          " that is a pose of its body");
   }
-  const double begin_s = take.times_s.front();
-  for (double& time_s : take.times_s) time_s -= begin_s;
+  ShortenPauses(take);
   return take;
 }
 

@@ -19,6 +19,10 @@ enum class What {
   kAvatar,     // styled, on the skeleton of an [[output]]
 };
 
+// A pause of a recording is exported as the motion between two poses, at the rate of the frames: a
+// performer who came back after a day would fill the memory.
+inline constexpr double kLongestPause_s = 10;
+
 // A recorded motion of a performer: on one skeleton, at the source times of its frames.
 struct Take {
   std::string performer;
@@ -29,7 +33,9 @@ struct Take {
   rig::Quat canonical_from_source = rig::Quat::Identity();
   std::vector<double> times_s;  // increasing, starts at 0
   std::vector<rig::RigPose> frames;
-  // Frames skipped because the body changed; the most frequent body is used.
+  // Pauses that were longer than kLongestPause_s and are that long now, and what was left out.
+  std::uint64_t pauses = 0;
+  double left_out_s = 0;
   // Frames skipped because the body changed; the most frequent body is used.
   std::uint64_t on_other_bodies = 0;
   std::uint64_t unusable = 0;  // frames skipped: no body in the recording, or non-finite values
@@ -38,14 +44,14 @@ struct Take {
 
 // Reads all of `reader`, twice. `kSource` is taken from source/ or, if that is missing, from native
 // datagrams among the arrivals. `output`: the name of the [[output]], for `kAvatar`. Errors name
-// the file and what it does contain. Allocates.
+// the file and what it does contain, or are of more than 2 GiB of poses. Allocates.
 Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what,
                       const std::string& output = "");
 
 // Converts the take to a constant rate. `rate_hz` 0: the rate of its frames (the median step,
 // rounded to the nominal rate); the frames stay unchanged if they keep that rate, else they are
 // interpolated. Any other rate uses clip::Resample. Errors: fewer than two frames, a rate outside 1
-// to 1000 Hz, more than ten million frames.
+// to 1000 Hz, more than 16 times as many frames as the take has, and 100,000.
 Result<clip::Clip> ToClip(const Take& take, double rate_hz);
 
 // Converts the take for `format`: at the frames' own times if `rate_hz` is 0 and the format stores

@@ -6,6 +6,7 @@
 #include <set>
 #include <zmq.hpp>
 
+#include "clients/rec/terminal.h"
 #include "proto/recording/writer.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "proto/styled/v1/stats.pb.h"
@@ -212,7 +213,7 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
 std::string Tap::WhoIsThere() const {
   if (impl_->there.empty()) return "nobody is there";
   std::string list;
-  for (const auto& id : impl_->there) list += (list.empty() ? "" : ", ") + id;
+  for (const auto& id : impl_->there) list += (list.empty() ? "" : ", ") + ForTerminal(id);
   return "there " + std::string(impl_->there.size() == 1 ? "is " : "are ") + list;
 }
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "clients/rec/publish_outlet.h"
+#include "clients/rec/terminal.h"
 #include "model/clip/clip.h"
 #include "proto/styled/v1/stats.pb.h"
 #include "tests/unit/rec/fakes.h"
@@ -169,11 +170,12 @@ TEST_F(CliTest, InfoSaysWhatIsInAFile) {
   records.push_back(command);
   const std::string file = Write("x", records);
   ASSERT_EQ(Run({"info", file}), kExitOk) << err_.str();
-  for (const char* text : {"2.000 s, 105 records", "begun 2023-11-14 22:13:20 UTC by test 1.2",
-                           "description: a ?[31mred?file\n", "weights: v1.safetensors fnv1a64:0123",
-                           "arrivals: suit (udp, at ) 3 datagrams, 15 bytes, 1.00/s, 1 senders",
-                           "published: source/rig.a/ 50 messages",
-                           "command at 1.000 s: rig.a set old=0.5 [rig.a from 42]"}) {
+  for (const char* text :
+       {"2.000 s, 105 records", "begun 2023-11-14 22:13:20 UTC by test 1.2",
+        "description: a \\x1b[31mred\\nfile\n", "weights: v1.safetensors fnv1a64:0123",
+        "arrivals: suit (udp, at ) 3 datagrams, 15 bytes, 1.00/s, 1 senders",
+        "published: source/rig.a/ 50 messages",
+        "command at 1.000 s: rig.a set old=0.5 [rig.a from 42]"}) {
     EXPECT_THAT(out_.str(), HasSubstr(text));
   }
   EXPECT_THAT(out_.str(), ::testing::Not(HasSubstr("damage")));
@@ -184,6 +186,29 @@ TEST_F(CliTest, InfoSaysWhatIsInAFile) {
   EXPECT_EQ(json["config"], "[publish]\n");
   EXPECT_EQ(json["commands"][0]["text"], "rig.a set old=0.5 [rig.a from 42]");
   EXPECT_EQ(json["skipped_bytes"], 0);
+}
+
+TEST_F(CliTest, NothingInARecordingReachesTheTerminalUnescaped) {
+  // Escape, the CSI of C1, a change of direction, a line separator.
+  const std::string hostile = "a\x1b]0;x\x07\xc2\x9b2J\xe2\x80\xae\xe2\x80\xa8\r\n";
+  std::vector<recording::Record> records{Arrival(0, "12345", hostile),
+                                         Published(1, "styled/" + hostile + "/rig/", "x")};
+  records[0].mutable_arrival()->set_type(hostile);
+  records[0].mutable_arrival()->set_listen(hostile);
+  records.emplace_back().mutable_note()->set_text("ok");
+  recording::Record command;
+  command.mutable_command()->mutable_request()->set_performer("\x1b[2J\xc2\x9b");
+  records.push_back(command);
+  const std::string file = Write("x", records);
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"info", file},
+        {"info", file, "--json"},
+        {"export", file, "--performer", "rig.b", "--glb", file + ".glb"}}) {
+    (void)Run(arguments);
+    const std::string said = out_.str() + err_.str();
+    EXPECT_THAT(said, HasSubstr("rig")) << arguments[0];
+    EXPECT_EQ(said, ForTerminal(said)) << arguments[0];
+  }
 }
 
 TEST_F(CliTest, DamageIsSaidAndIsNoErrorAndAFileWithoutItsBeginningIsSalvaged) {
