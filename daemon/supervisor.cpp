@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "daemon/config/machine.h"
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/networks.h"
 #include "daemon/runtime/journal.h"
@@ -105,6 +106,9 @@ Status Supervisor::Start() {
   if (config_.realtime.lock_memory) {
     for (const auto& refused : runtime::LockMemory()) spdlog::warn("{}", refused);
   }
+  const std::string memory =
+      config::MemoryWarning(config_.performers.max_performers, config::MemoryLimit());
+  if (!memory.empty()) spdlog::warn("{}", memory);
   StartThreads();
   status = WriteReadyFile();
   if (status.ok()) {

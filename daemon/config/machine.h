@@ -16,8 +16,8 @@ namespace styled::config {
 std::vector<std::string> MissingInterfaces(const Config& config);
 Status CheckRecordFolder(const std::string& file);
 
-// What the daemon and each performer take at most, in bytes. Measured with the shipped weights: 80 MB
-// and 1.8 MB, of which the network's state has 1.6. Pinned, as the functions below, by
+// What the daemon and each performer take at most, in bytes. Measured with the shipped weights: 80
+// MB and 1.8 MB, of which the network's state has 1.6. Pinned, as the functions below, by
 // tests/unit/daemon/performer_memory_test.cpp.
 inline constexpr std::uint64_t kDaemonBytes = std::uint64_t{160} << 20;
 inline constexpr std::uint64_t kPerformerBytes = std::uint64_t{2} << 20;
