@@ -108,9 +108,12 @@ std::string WithRows(const std::string& header, const std::string& row, std::siz
 const std::string kTurns = "CHANNELS 3 Zrotation Xrotation Yrotation";
 
 std::vector<HostileFile> BvhFiles() {
-  const auto flat = [](int joints, const std::string& channels, const std::string& others) {
+  // So many joints, of which the first have these channels.
+  const auto flat = [](int joints, const std::string& channels, int with_channels = 1) {
     std::string text = "HIERARCHY\nROOT a\n{\n" + channels + "\n";
-    for (int i = 1; i < joints; ++i) text += "JOINT b\n{\n" + others + "\n}\n";
+    for (int i = 1; i < joints; ++i) {
+      text += "JOINT b\n{\n" + (i < with_channels ? channels : "") + "\n}\n";
+    }
     return text + "}\n";
   };
   const std::string one = "CHANNELS 1 Zrotation", few = "with hardly a channel";
@@ -118,10 +121,10 @@ std::vector<HostileFile> BvhFiles() {
   row.back() = '\n';
   const std::string small = Humanoid(kTurns, kTurns);
   return {
-      {"one joint too many", WithRows(flat(1024, one, ""), "0\n", kFile),
+      {"one joint too many", WithRows(flat(1024, one, 130), Times(129, "0 ") + "0\n", kFile),
        "one more joint, expected at most 256"},
-      {"joints without channels", WithRows(flat(8, one, ""), "0\n", kFile), few},
-      {"hardly a byte per frame", WithRows(flat(1, one, ""), "0\n", kFile), few},
+      {"joints without channels", WithRows(flat(8, one), "0\n", kFile), few},
+      {"hardly a byte per frame", WithRows(flat(1, one), "0\n", kFile), few},
       {"a humanoid of one channel", WithRows(Humanoid("", one), "0\n", kFile), few},
       {"more than a minute", WithRows(small, row, kFile), "s, expected at most 60"},
       {"a minute of the densest text", WithRows(small, row, 60'000 * row.size()), ""},
