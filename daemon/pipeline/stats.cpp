@@ -52,6 +52,7 @@ void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
   info.set_left_ms(smoothing.left_ms);
   info.set_missed(smoothing.missed);
   info.set_merge_into(layers_.Into(index));
+  info.set_kernel_dropped(transport.kernel_dropped());
 }
 
 void Stats::DescribeClock(v1::ClockState& clock) const {
@@ -129,6 +130,7 @@ void Stats::Publish() {
   const std::int64_t now_ns = to_.clock.Now_ns();
   due_ns_ = std::max(due_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
   for (const auto& performer : roster_.performers) performer->Sample();
+  for (const auto& transport : transports_) transport->Sample();
   stages_.Sample();
   if (to_.clock_watch != nullptr) to_.clock_watch->Update(now_ns);
   to_.counters.Set(Counter::kPipelineLongestCycleUs,

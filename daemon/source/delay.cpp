@@ -59,7 +59,7 @@ class Delayed final : public Transport, private Receiver {
     to_ = &receiver;
     int work = inner_->DoWork(*this);
     work += Release(now_ns, 0);
-    if (now_ns - sampled_ns_ >= kSecond_ns) Sample(now_ns);
+    if (now_ns - sampled_ns_ >= kSecond_ns) SampleLateness(now_ns);
     return work;
   }
   std::int64_t NextDeadline_ns() const override {
@@ -75,6 +75,8 @@ class Delayed final : public Transport, private Receiver {
   const std::string& endpoint() const override { return inner_->endpoint(); }
   std::uint64_t received() const override { return inner_->received(); }
   Smoothing smoothing() const override { return shown_; }
+  void Sample() override { inner_->Sample(); }
+  std::uint64_t kernel_dropped() const override { return inner_->kernel_dropped(); }
 
  private:
   // When a frame or body leaves. `schedule_ns` is set for frames: when it would leave if it were in
@@ -103,6 +105,9 @@ class Delayed final : public Transport, private Receiver {
       Slot& slot = slots_[free_.back()];
       slot.due = When(frame, now_ns);
       slot.frame = slot.memory.Keep(frame);
+      // The delay itself is not the daemon's latency; waiting beyond it is.
+      const std::int64_t arrival_ns = frame.arrival_ns == 0 ? now_ns : frame.arrival_ns;
+      slot.frame.arrival_ns = std::max(arrival_ns, slot.due.schedule_ns.value_or(arrival_ns));
       // Sorted insert by due time; mostly at the end.
       const auto later = [this](std::int64_t due_ns, std::size_t held) {
         return due_ns < slots_[held].due.due_ns;
@@ -180,7 +185,7 @@ class Delayed final : public Transport, private Receiver {
     return static_cast<int>(count);
   }
 
-  void Sample(std::int64_t now_ns) {
+  void SampleLateness(std::int64_t now_ns) {
     sampled_ns_ = now_ns;
     constexpr float kAlmostAll = 0.99F;
     shown_ = {static_cast<float>(delay_ns_) * 1e-6F, arrived_.Percentile_us(kAlmostAll) * 1e-3F,

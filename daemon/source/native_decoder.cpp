@@ -167,7 +167,8 @@ NativeDecoder::NativeDecoder(int source, runtime::Counters& counters)
     : source_(source), counters_(counters) {}
 
 void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams,
-                           std::span<const Machine> senders, Receiver& receiver) {
+                           std::span<const Machine> senders, Receiver& receiver,
+                           std::span<const std::int64_t> arrivals_ns) {
   runtime::HotSection hot;
   std::size_t count = 0;
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
@@ -176,6 +177,7 @@ void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams
       counters_.AddOf(source_, refused);
       continue;
     }
+    frames_[count].arrival_ns = i < arrivals_ns.size() ? arrivals_ns[i] : 0;
     frames_[count++].machine = i < senders.size() ? senders[i] : Machine{};
   }
   counters_.Add(runtime::Counter::kSourceReceived, datagrams.size() - count);

@@ -23,9 +23,11 @@ class NativeDecoder {
 
   // Decodes up to kBatch whole datagrams or records that arrived together, oldest first, and passes
   // the frames to `receiver` in one call. `senders` holds the machine of each datagram, or is empty
-  // where the transport itself distinguishes its senders. Refused datagrams count as received, too.
+  // where the transport itself distinguishes its senders. `arrivals_ns`: when each arrived, or
+  // empty (SourceFrame::arrival_ns). Refused datagrams count as received, too.
   void HandOn(std::span<const std::span<const std::byte>> datagrams,
-              std::span<const Machine> senders, Receiver& receiver);
+              std::span<const Machine> senders, Receiver& receiver,
+              std::span<const std::int64_t> arrivals_ns = {});
 
  private:
   int source_;

@@ -73,7 +73,7 @@ class NatNetTransport final : public Transport {
   NatNetTransport(Descriptor command, Descriptor epoll, const Interface& interface,
                   const config::Source& config, int source, runtime::Clock& clock,
                   runtime::Counters& counters, const sockaddr_in& server, in_addr group)
-      : command_(std::move(command), clock, counters, config.sender_limit_hz),
+      : command_(std::move(command), source, clock, counters, config.sender_limit_hz),
         epoll_(std::move(epoll)),
         interface_(interface),
         receive_buffer_bytes_(config.receive_buffer_bytes),
@@ -111,6 +111,13 @@ class NatNetTransport final : public Transport {
   std::uint64_t received() const override {
     return command_.received() + earlier_ + (data_ ? data_->received() : 0);
   }
+  void Sample() override {
+    command_.ReadDrops();
+    if (data_) data_->ReadDrops();
+  }
+  std::uint64_t kernel_dropped() const override {
+    return command_.kernel_dropped() + earlier_dropped_ + (data_ ? data_->kernel_dropped() : 0);
+  }
 
  private:
   void Watch(int fd) {
@@ -137,12 +144,16 @@ class NatNetTransport final : public Transport {
     if (translator_.stream() == joined_ && now_ns < next_try_ns_) return;
     joined_ = translator_.stream();
     next_try_ns_ = Translator::kNever;
-    if (data_) earlier_ += data_->received();
+    if (data_) {
+      data_->ReadDrops();
+      earlier_ += data_->received();
+      earlier_dropped_ += data_->kernel_dropped();
+    }
     data_.reset();
     if (!joined_) return;
     auto socket = JoinGroup(*joined_, interface_, receive_buffer_bytes_);
     if (socket.ok()) {
-      data_.emplace(std::move(socket.value()), clock_, counters_, sender_limit_hz_);
+      data_.emplace(std::move(socket.value()), source_, clock_, counters_, sender_limit_hz_);
       Watch(data_->fd());
       return;
     }
@@ -162,7 +173,8 @@ class NatNetTransport final : public Transport {
   NatNet translator_;
   Outbox outbox_;
   std::optional<UdpSocket> data_;
-  std::uint64_t earlier_ = 0;             // datagrams received from former groups
+  // Datagrams received from former groups, and those that the kernel dropped there.
+  std::uint64_t earlier_ = 0, earlier_dropped_ = 0;
   std::optional<NatNet::Stream> joined_;  // the group joined, or last tried
   std::int64_t next_try_ns_ = Translator::kNever;
   std::string complaint_;

@@ -84,6 +84,7 @@ void PerformerStream::Send(const rig::RigPose& pose, const FrameInfo& info, Outb
     has_timecode_ = true;
   }
   SourceFrame frame = Next();
+  frame.arrival_ns = info.now_ns;
   frame.source_time_ns = info.source_time_ns;
   frame.has_timecode = has_timecode_;
   frame.timecode = timecode_;

@@ -81,6 +81,10 @@ class Transport {
   // Number of datagrams and records that arrived, including refused ones.
   virtual std::uint64_t received() const = 0;
   virtual Smoothing smoothing() const { return {}; }
+  // Call about once a second, outside of the hot section: reads what no datagram tells.
+  virtual void Sample() {}
+  // Datagrams that the kernel dropped because the buffer was full, as of the last Sample().
+  virtual std::uint64_t kernel_dropped() const { return 0; }
 };
 
 // The most frames of one call of OnFrames, which bounds a cycle of the pipeline.

@@ -11,7 +11,7 @@ class Udp final : public Transport {
  public:
   Udp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
       runtime::Counters& counters)
-      : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
+      : socket_(std::move(socket), source, clock, counters, config.sender_limit_hz),
         source_(source),
         decoder_(source, counters) {}
 
@@ -19,13 +19,15 @@ class Udp final : public Transport {
     const auto datagrams = socket_.Receive();
     if (datagrams.empty()) return 0;
     socket_.Announce(source_, receiver);
-    decoder_.HandOn(datagrams, socket_.machines(), receiver);
+    decoder_.HandOn(datagrams, socket_.machines(), receiver, socket_.arrivals_ns());
     return static_cast<int>(datagrams.size());
   }
 
   int fd() const override { return socket_.fd(); }
   const std::string& endpoint() const override { return socket_.endpoint(); }
   std::uint64_t received() const override { return socket_.received(); }
+  void Sample() override { socket_.ReadDrops(); }
+  std::uint64_t kernel_dropped() const override { return socket_.kernel_dropped(); }
 
  private:
   UdpSocket socket_;
@@ -38,7 +40,7 @@ class TranslatedUdp final : public Transport {
  public:
   TranslatedUdp(Descriptor socket, const config::Source& config, int source, runtime::Clock& clock,
                 runtime::Counters& counters, std::unique_ptr<Translator> translator)
-      : socket_(std::move(socket), clock, counters, config.sender_limit_hz),
+      : socket_(std::move(socket), source, clock, counters, config.sender_limit_hz),
         source_(source),
         clock_(clock),
         translator_(std::move(translator)),
@@ -67,6 +69,8 @@ class TranslatedUdp final : public Transport {
   int fd() const override { return socket_.fd(); }
   const std::string& endpoint() const override { return socket_.endpoint(); }
   std::uint64_t received() const override { return socket_.received(); }
+  void Sample() override { socket_.ReadDrops(); }
+  std::uint64_t kernel_dropped() const override { return socket_.kernel_dropped(); }
 
  private:
   UdpSocket socket_;

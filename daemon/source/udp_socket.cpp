@@ -1,21 +1,18 @@
 #include "daemon/source/udp_socket.h"
 
+#include <linux/sock_diag.h>
+
 #include <algorithm>
 #include <cstring>
 
 #include "model/base/hash.h"
 
 namespace styled::source {
-namespace {
 
-// A stamp older than this means that the wall clock was set, not that the datagram waited.
-constexpr std::int64_t kLongestWait_ns = runtime::kSecond_ns / 10;
-
-}  // namespace
-
-UdpSocket::UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
-                     int sender_limit_hz)
+UdpSocket::UdpSocket(Descriptor socket, int source, runtime::Clock& clock,
+                     runtime::Counters& counters, int sender_limit_hz)
     : socket_(std::move(socket)),
+      source_(source),
       clock_(clock),
       counters_(counters),
       endpoint_(runtime::BoundAddress(socket_.get())),
@@ -39,15 +36,18 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     message.msg_hdr.msg_controllen = sizeof controls_[0];
     message.msg_hdr.msg_namelen = sizeof senders_[0];
   }
+  arrival_clock_.Begin(clock_.Now_ns());
   const int received = recvmmsg(socket_.get(), messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   batch_ = 0;
-  if (received <= 0) return {};
+  if (received <= 0) {
+    arrival_clock_.End(true);
+    return {};
+  }
   const auto count = static_cast<std::size_t>(received);
   received_ += count;
-  const std::int64_t now_ns = clock_.Now_ns();
-  const std::int64_t wall_ns = clock_.Wall_ns();
+  arrival_clock_.Received(clock_);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::int64_t arrived_ns = ReadControl(i, now_ns, wall_ns);
+    const std::int64_t arrived_ns = ReadControl(i);
     if (!limiter_.Admit(senders_[i], arrived_ns)) continue;
     datagrams_[batch_] = {&buffer_[i * kSlot], messages_[i].msg_len};
     arrived_ns_[batch_] = arrived_ns;
@@ -55,7 +55,10 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     places_[batch_] = i;
     ++batch_;
   }
-  if (batch_ < count) counters_.Add(runtime::Counter::kSourceRateLimited, count - batch_);
+  arrival_clock_.End(count < kBatch);
+  if (batch_ < count) {
+    counters_.AddOf(source_, runtime::Counter::kSourceRateLimited, count - batch_);
+  }
   return {datagrams_.data(), batch_};
 }
 
@@ -90,26 +93,38 @@ Peer UdpSocket::Sender(std::size_t i) const noexcept {
 }
 
 // SO_RXQ_OVFL delivers the socket's total of dropped datagrams with each received one.
-std::int64_t UdpSocket::ReadControl(std::size_t i, std::int64_t now_ns,
-                                    std::int64_t wall_ns) noexcept {
+std::int64_t UdpSocket::ReadControl(std::size_t i) noexcept {
   msghdr& header = messages_[i].msg_hdr;
-  std::int64_t waited_ns = 0;
+  std::int64_t arrived_ns = arrival_clock_.now_ns();
   for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
     if (c->cmsg_level != SOL_SOCKET) continue;
     if (c->cmsg_type == SO_RXQ_OVFL) {
       std::uint32_t dropped = 0;
       std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
-      counters_.Add(runtime::Counter::kSourceKernelDropped, dropped - dropped_);
-      dropped_ = dropped;
+      NoteDropped(dropped);
     } else if (c->cmsg_type == SCM_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-      waited_ns = wall_ns - (stamp.tv_sec * runtime::kSecond_ns + stamp.tv_nsec);
+      arrived_ns = arrival_clock_.Arrival_ns(stamp.tv_sec * runtime::kSecond_ns + stamp.tv_nsec);
     }
   }
-  if (waited_ns < 0 || waited_ns > kLongestWait_ns) waited_ns = 0;
-  last_ns_ = std::max(last_ns_, now_ns - waited_ns);
+  last_ns_ = std::max(last_ns_, arrived_ns);
   return last_ns_;
+}
+
+void UdpSocket::NoteDropped(std::uint32_t total) noexcept {
+  const std::uint32_t more = total - dropped_;
+  if (more == 0) return;
+  dropped_ = total;
+  kernel_dropped_ += more;
+  counters_.AddOf(source_, runtime::Counter::kSourceKernelDropped, more);
+}
+
+void UdpSocket::ReadDrops() noexcept {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(socket_.get(), SOL_SOCKET, SO_MEMINFO, info.data(), &size) != 0) return;
+  if (size > SK_MEMINFO_DROPS * sizeof info[0]) NoteDropped(info[SK_MEMINFO_DROPS]);
 }
 
 }  // namespace styled::source

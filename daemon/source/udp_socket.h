@@ -10,6 +10,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/sockets.h"
+#include "daemon/source/arrival_clock.h"
 #include "daemon/source/outbox.h"
 #include "daemon/source/rate_limiter.h"
 
@@ -19,8 +20,9 @@ namespace styled::source {
 // arrival of each. Pipeline thread.
 class UdpSocket {
  public:
-  // `sender_limit_hz`: most datagrams per second of one address; 0 = no limit.
-  UdpSocket(Descriptor socket, runtime::Clock& clock, runtime::Counters& counters,
+  // `source`: number of the source that it belongs to. `sender_limit_hz`: most datagrams per second
+  // of one address; 0 = no limit.
+  UdpSocket(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters,
             int sender_limit_hz);
 
   // Receives what has arrived, up to kBatch datagrams; never blocks. Datagrams over the limit are
@@ -35,6 +37,13 @@ class UdpSocket {
   // The time of arrival on the clock's Now_ns(), by the kernel's timestamp: datagrams that waited
   // while the loop was held up keep their distances in time. Never goes back.
   std::int64_t arrived_ns(std::size_t i) const noexcept { return arrived_ns_[i]; }
+  std::span<const std::int64_t> arrivals_ns() const noexcept {
+    return {arrived_ns_.data(), batch_};
+  }
+  // Counts what the kernel has dropped since it was last known: datagrams tell it only with the
+  // next one that arrives. One system call.
+  void ReadDrops() noexcept;
+  std::uint64_t kernel_dropped() const noexcept { return kernel_dropped_; }
 
   int fd() const { return socket_.get(); }
   const std::string& endpoint() const { return endpoint_; }
@@ -46,14 +55,18 @@ class UdpSocket {
   static constexpr std::size_t kControl =
       CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec));
   // Reads when message `i` arrived, and counts what the kernel dropped before it.
-  std::int64_t ReadControl(std::size_t i, std::int64_t now_ns, std::int64_t wall_ns) noexcept;
+  std::int64_t ReadControl(std::size_t i) noexcept;
+  void NoteDropped(std::uint32_t total) noexcept;
 
   Descriptor socket_;
+  int source_;
   runtime::Clock& clock_;
   runtime::Counters& counters_;
   std::string endpoint_;
   RateLimiter limiter_;
-  std::uint32_t dropped_ = 0;
+  ArrivalClock arrival_clock_;
+  std::uint32_t dropped_ = 0;  // the kernel's count, which wraps
+  std::uint64_t kernel_dropped_ = 0;
   std::uint64_t received_ = 0;
   std::size_t batch_ = 0;  // number of datagrams handed out last
   std::vector<std::byte> buffer_;

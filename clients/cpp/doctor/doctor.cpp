@@ -270,6 +270,9 @@ class Examiner {
           continue;
         }
         source.received = after[i].received() - before[i].received();
+        // The daemon's own count: another machine's sockets cannot be looked at.
+        const std::uint64_t drops = after[i].kernel_dropped() - before[i].kernel_dropped();
+        source.drops = std::max(source.drops, drops);
       }
     }
   }

@@ -436,7 +436,8 @@ json StatusJson(const v1::StatusReply& status) {
                        {"delay_ms", source.delay_ms()},
                        {"arrived_ms", source.arrived_ms()},
                        {"left_ms", source.left_ms()},
-                       {"missed", source.missed()}});
+                       {"missed", source.missed()},
+                       {"kernel_dropped", source.kernel_dropped()}});
   }
   for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
   for (const auto& performer : stats.performers()) {

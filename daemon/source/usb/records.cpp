@@ -39,7 +39,10 @@ void Records::Take(const Reports::Report& report, Receiver& receiver) {
       ++count;
     }
     received_ += count + (result == StreamReader::Result::kBroken ? 1 : 0);
-    if (count > 0) decoder_.HandOn({records_.data(), count}, {}, receiver);
+    if (count > 0) {
+      std::fill_n(arrivals_ns_.begin(), count, report.arrival_ns);
+      decoder_.HandOn({records_.data(), count}, {}, receiver, std::span(arrivals_ns_).first(count));
+    }
     if (result == StreamReader::Result::kNeedMore) return;
     if (result == StreamReader::Result::kBroken) {
       counters_.Add(runtime::CounterOf(reader.Broken()));

@@ -45,6 +45,7 @@ class Records {
   std::uint64_t received_ = 0;
   std::vector<std::unique_ptr<Stream>> streams_;
   std::array<std::span<const std::byte>, kBatch> records_;
+  std::array<std::int64_t, kBatch> arrivals_ns_{};
 };
 
 }  // namespace styled::source::usb
