@@ -59,6 +59,13 @@ bool Predictor::Begin(std::int64_t time_ns) noexcept {
   return interleaver_.Begin(time_ns, network_->model().rate_hz);
 }
 
+void Predictor::Skip() noexcept {
+  Interleaver::Tick tick;
+  while (interleaver_.Next(tick)) {
+  }
+  if (any()) RestartStates();
+}
+
 void Predictor::End(const Pose& input) noexcept {
   last_input_ = input;
   has_last_input_ = true;

@@ -37,6 +37,8 @@ class Predictor {
   // Announces the frame at `time_ns`. If false, call Restart and then Begin again
   // (Interleaver::Begin).
   [[nodiscard]] STYLED_REALTIME bool Begin(std::int64_t time_ns) noexcept;
+  // Lets the frame's ticks pass without a step; the states are as after a restart then.
+  STYLED_REALTIME void Skip() noexcept;
   // Ends the frame; `input`: its canonical pose.
   STYLED_REALTIME void End(const body::Pose& input) noexcept;
 

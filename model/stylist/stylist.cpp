@@ -102,6 +102,7 @@ struct Stylist::Impl {
   double dt_s = 0;        // time between the frame before and this one
   double last_gap_s = 0;  // dt_s of the frame before if it exceeded gap_reset_s, else 0
   bool started = false, fresh_session = true;
+  bool rests = false;   // see Stylist::Rest
   bool failed = false;  // a prediction or an output was not sound, and no step has been since
 };
 
@@ -121,6 +122,8 @@ void Stylist::Set(const Settings& settings) noexcept {
 void Stylist::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
   impl_->predictor.Adopt(std::move(network));
 }
+
+void Stylist::Rest(bool rests) noexcept { impl_->rests = rests; }
 
 const Settings& Stylist::settings() const { return impl_->settings; }
 
@@ -198,6 +201,7 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   JudgeFrame(time_ns, out);
   binding->Bind(input_guard.clean(), out.canonical_input);
   mixer.Advance(dt_s);
+  if (rests && Bypassed()) predictor.Skip();
   MoveOn(out);
 }
 

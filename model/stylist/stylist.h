@@ -80,6 +80,10 @@ class Stylist {
   // pass Validate.
   STYLED_REALTIME void Set(const Settings& settings) noexcept;
   const Settings& settings() const;
+  // While it rests it runs no step of the network as soon as nothing is styled any more: set
+  // settings without a style, too. Without a rest the network follows the performer in bypass, so
+  // that a style sets in as it goes on; after one it begins anew. Not part of Carry.
+  STYLED_REALTIME void Rest(bool rests) noexcept;
 
   // Goes on with a network that shares streams with this one (net::Stylizer::SharesStreams): its
   // list of styles may be another, its motion goes on. Set may then name its styles.

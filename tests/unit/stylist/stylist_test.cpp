@@ -97,6 +97,50 @@ TEST_F(StylistTest, WithoutAStyleTheSourceLeavesBitForBit) {
   }
 }
 
+// The pose is the same as of one that does not rest; the network's time is saved.
+TEST_F(StylistTest, ARestingStylistFadesOutAndThenRunsNoStepOfTheNetwork) {
+  Stylist resting(network, binding, options), waking(network, binding, options);
+  for (Stylist* const stylist : {&resting, &waking}) stylist->Set(Style(2));
+  Output other(skeleton);
+  for (int frame = 0; frame < 240; ++frame) {
+    if (frame == 60) {
+      resting.Rest(true);
+      for (Stylist* const stylist : {&resting, &waking}) stylist->Set(Style(-1, 0, 0.1F));
+    }
+    const std::int64_t time_ns = Time(frame);
+    const rig::RigPose in = PoseAt(static_cast<double>(time_ns) * 1e-9, skeleton);
+    waking.Process(time_ns, in, other);
+    Feed(resting, frame);
+    ASSERT_TRUE(SameBits(out.rig, other.rig)) << frame;
+    if (frame > 60 + 120) {
+      ASSERT_EQ(out.steps, 0) << frame;
+      ASSERT_GT(other.steps, 0) << frame;
+      ASSERT_TRUE(SameBits(out.rig, in)) << frame;
+    }
+  }
+}
+
+TEST_F(StylistTest, AfterARestTheStyleFadesInWithoutAJump) {
+  Stylist stylist(network, binding, options);
+  stylist.Rest(true);
+  for (int frame = 0; frame < 120; ++frame) Feed(stylist, frame);
+  EXPECT_EQ(out.steps, 0);
+  stylist.Rest(false);
+  stylist.Set(Style(2, 1, 0.5F));
+  body::Pose last = out.canonical, last_input = out.canonical_input;
+  float largest_rad = 0;
+  for (int frame = 120; frame < 360; ++frame) {
+    Feed(stylist, frame);
+    EXPECT_GT(out.steps, 0);
+    const float moved_rad = Apart_rad(last, out.canonical);
+    largest_rad = std::max(largest_rad, moved_rad - Apart_rad(last_input, out.canonical_input));
+    last = out.canonical;
+    last_input = out.canonical_input;
+  }
+  EXPECT_GT(Apart_rad(out.canonical, out.canonical_input), 1e-3F) << "the style is back";
+  EXPECT_LT(largest_rad, 0.1F) << "of a frame; at once it would be most of the style";
+}
+
 TEST_F(StylistTest, AStyleChangesThePoseFromTheFirstFrame) {
   Stylist stylist(network, binding, options);
   stylist.Set(Style(2));
