@@ -139,13 +139,21 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
        [](const P& p) { return Whole(p.lost()); });
   each("styled_performer_refused_total", "counter", "datagrams that changed nothing",
        [](const P& p) { return Whole(p.refused()); });
+  each("styled_performer_over_budget_total", "counter",
+       "frames that left later than a period of the rig after their arrival",
+       [](const P& p) { return Whole(p.over_budget()); });
+  each("styled_performer_period_seconds", "gauge", "period of the rig, by its own clock",
+       [](const P& p) { return Number(p.period_ms() * 1e-3); });
   text.Family("styled_performer_latency_seconds", "gauge",
-              "from receipt to sending, over the last second");
+              "from arrival to the end of sending, over the last second; p99 also over the last "
+              "minute and since the performer appeared");
   for (const auto& p : stats.performers()) {
     const string labels = "performer=" + Quoted(p.performer()) + ",of=";
     text.Sample(Number(p.latency_p50_us() * 1e-6), labels + "\"p50\"");
     text.Sample(Number(p.latency_p99_us() * 1e-6), labels + "\"p99\"");
     text.Sample(Number(p.latency_max_us() * 1e-6), labels + "\"max\"");
+    text.Sample(Number(p.latency_p99_minute_us() * 1e-6), labels + "\"p99_minute\"");
+    text.Sample(Number(p.latency_p99_overall_us() * 1e-6), labels + "\"p99_overall\"");
   }
   text.Family("styled_performer_shown_ratio", "gauge",
               "share of its style that a limb showed, over the last second");

@@ -43,12 +43,10 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
     }
   }
   StyleAccepted(hot);
-  SendBundles();
+  MeasureLatencies(source, frames, SendBundles());
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
   JournalFrames(source, frames);
-  const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
   // kTake gets the part of the batch's time that no other stage accounts for.
-  stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
 }
 
 void Pipeline::AcceptLayer(Layer& layer, int source, std::span<const source::SourceFrame> frames,
@@ -112,6 +110,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   const std::int64_t before_ns = performer.admission.session.elapsed_ns();
   if (!Admit(performer, item)) return;
   performer.admission.sends_frames = true;
+  performer.latency.rig.NoteFrame(item.frame->sequence, performer.admission.session.elapsed_ns());
 
   const std::int64_t now_ns = to_.clock.Now_ns();
   const std::int64_t lateness_ns =
@@ -140,8 +139,9 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   }
   Performer::FrameContext context;
   context.elapsed_ns = performer.admission.session.elapsed_ns();
+  context.arrival_ns = ArrivalOf(*item.frame);
   context.receive_ns = receive_ns_;
-  context.wall_ns = wall_ns_;
+  context.wall_ns = wall_ns_ - (receive_ns_ - context.arrival_ns);
   context.source_sequence = item.frame->sequence;
   context.extra_flags = outcome.late ? v1::FLAG_LATE : v1::FLAG_NONE;
   context.face = layers_.FaceOf(performer.profile.id, item.frame->face, receive_ns_);
@@ -182,9 +182,10 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   hot.Leave();
   const std::int64_t serialized_ns = to_.clock.Now_ns();
   std::int64_t sent_ns = serialized_ns;
-  for (Performer* const performer : batch) {
-    performer->Send(to_.publisher, bundles_, sent_ns);
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    batch[i]->Send(to_.publisher, bundles_, sent_ns);
     sent_ns = to_.clock.Now_ns();
+    items_[static_cast<std::size_t>(accepted_items_[i])].sent_ns = sent_ns;
   }
   if (to_.standby != nullptr) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -204,12 +205,31 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   stages_.Add(Stages::kSend, sent_ns - serialized_ns);
 }
 
-// One message a cycle, for who shows the whole stage.
-void Pipeline::SendBundles() noexcept {
-  if (std::ranges::all_of(bundles_, &publish::Bundle::empty)) return;
+// One message a cycle, for who shows the whole stage. Returns whether there was one.
+bool Pipeline::SendBundles() noexcept {
+  if (std::ranges::all_of(bundles_, &publish::Bundle::empty)) return false;
   const std::int64_t begin_ns = to_.clock.Now_ns();
   for (publish::Bundle& bundle : bundles_) bundle.Send(to_.publisher);
   stages_.Add(Stages::kSend, to_.clock.Now_ns() - begin_ns);
+  return true;
+}
+
+// A frame has left when its last message has: with `bundled`, that of the whole batch. What a
+// standby repeats leaves nowhere.
+void Pipeline::MeasureLatencies(int source, std::span<const source::SourceFrame> frames,
+                                bool bundled) noexcept {
+  if (!leads()) return;
+  const std::int64_t now_ns = to_.clock.Now_ns();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (items_[i].sent_ns == 0) continue;
+    // A new performer later in the batch has cleared the pointers.
+    Performer* performer = items_[i].performer;
+    if (performer == nullptr) performer = roster_.Find(source, frames[i].performer);
+    if (performer == nullptr) continue;
+    const std::int64_t left_ns = bundled ? now_ns : items_[i].sent_ns;
+    if (!performer->latency.Add(left_ns - ArrivalOf(frames[i]))) continue;
+    to_.counters.AddOf(source, Counter::kPipelineOverBudgetFrames);
+  }
 }
 
 // A prop of the scene that one performer holds is not in the frames of the others: it would be

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <memory>
@@ -20,6 +21,7 @@
 #include "daemon/publish/bundle.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/realtime.h"
+#include "daemon/runtime/wall_offset.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
 #include "daemon/standby/entry.h"
@@ -77,6 +79,7 @@ class Pipeline final : public Worker, public source::Receiver {
   struct Item {
     const source::SourceFrame* frame = nullptr;
     Performer* performer = nullptr;  // null: unknown yet, or a body
+    std::int64_t sent_ns = 0;        // when its last topic was sent; 0: not sent
   };
 
   // Keeps what the sources send for a standby that takes over.
@@ -145,7 +148,13 @@ class Pipeline final : public Worker, public source::Receiver {
   void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
-  void SendBundles() noexcept;
+  bool SendBundles() noexcept;
+  // When the frame arrived, on the clock's Now_ns(), at the latest with its batch.
+  STYLED_REALTIME std::int64_t ArrivalOf(const source::SourceFrame& frame) const noexcept {
+    return frame.arrival_ns == 0 ? receive_ns_ : std::min(frame.arrival_ns, receive_ns_);
+  }
+  void MeasureLatencies(int source, std::span<const source::SourceFrame> frames,
+                        bool bundled) noexcept;
   STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
   STYLED_REALTIME void AwaitNext(Performer& performer, std::int64_t before_ns) noexcept;
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
@@ -158,6 +167,7 @@ class Pipeline final : public Worker, public source::Receiver {
   STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
                                 std::int64_t lateness_ns) const noexcept;
   int LogLayers(std::int64_t now_ns);
+  void LookAtWallClock();
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(const v1::Request& request, v1::Reply& reply);
 
@@ -207,6 +217,7 @@ class Pipeline final : public Worker, public source::Receiver {
   EventLog log_;
   publish::SubscriptionEvent subscription_;
   int busy_cycles_ = 0;  // since silence was last checked
+  runtime::WallWatch wall_watch_;
 };
 
 }  // namespace styled::pipeline

@@ -129,7 +129,7 @@ void Stats::DescribeStandby(v1::StandbyState& state) const {
 void Stats::Publish() {
   const std::int64_t now_ns = to_.clock.Now_ns();
   due_ns_ = std::max(due_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
-  for (const auto& performer : roster_.performers) performer->Sample();
+  for (const auto& performer : roster_.performers) performer->Sample(now_ns);
   for (const auto& transport : transports_) transport->Sample();
   stages_.Sample();
   if (to_.clock_watch != nullptr) to_.clock_watch->Update(now_ns);

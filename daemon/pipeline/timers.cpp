@@ -1,5 +1,6 @@
 // The pipeline's work that depends on time: deadlines, silence, bodies, statistics.
 #include <algorithm>
+#include <cstdio>
 
 #include "daemon/pipeline/pipeline.h"
 
@@ -93,6 +94,7 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   JournalSilence(now_ns);
   work += LogLayers(now_ns);
   if (now_ns >= stats_.due_ns()) {
+    LookAtWallClock();
     stats_.Publish();
     roster_.Age(now_ns);
     for (auto& text : roster_.PopLog()) log_.Log(Event::Level::kInfo, std::move(text));
@@ -100,6 +102,18 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
     ++work;
   }
   return work;
+}
+
+// Timecode and motion do not depend on it; what other machines make of the frames' wall times does.
+void Pipeline::LookAtWallClock() {
+  const std::int64_t step_ns = wall_watch_.Look(to_.clock);
+  if (step_ns == 0) return;
+  to_.counters.Add(Counter::kPipelineWallClockSteps);
+  std::array<char, 64> by{};
+  std::snprintf(by.data(), by.size(), "%+.3f", static_cast<double>(step_ns) * 1e-9);
+  log_.Log(Event::Level::kWarning,
+           std::string("the wall clock was set by ") + by.data() +
+               " s, or the machine slept: the frames' wall times follow it");
 }
 
 // A phone or a glove that is switched off is seen nowhere else.
@@ -131,7 +145,7 @@ int Pipeline::LogLayers(std::int64_t now_ns) {
 void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   performer.admission.MarkStale();
   Performer::FrameContext context;
-  context.receive_ns = performer.admission.last_frame_ns();
+  context.arrival_ns = context.receive_ns = performer.admission.last_frame_ns();
   context.publish_ns = now_ns;
   context.wall_ns = to_.clock.Wall_ns();
   if (!performer.Repeat(context)) return;

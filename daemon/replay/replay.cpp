@@ -324,8 +324,14 @@ std::string Counts(const runtime::Counters& counters) {
 
 bool IsOfTheMotion(runtime::Counter counter) {
   using runtime::Counter;
-  if (counter == Counter::kPipelineLongestCycleUs || counter == Counter::kPipelineOverBudget) {
-    return false;
+  switch (counter) {
+    case Counter::kPipelineLongestCycleUs:
+    case Counter::kPipelineOverBudget:
+    case Counter::kPipelineOverBudgetFrames:
+    case Counter::kPipelineWallClockSteps:
+      return false;
+    default:
+      break;
   }
   const std::string_view name = runtime::Name(counter);
   return name.starts_with("source.") || name.starts_with("pipeline.") ||

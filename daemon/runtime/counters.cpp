@@ -70,6 +70,8 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelineCues, "pipeline.cues"},
     {Counter::kPipelinePrewarmed, "pipeline.prewarmed"},
     {Counter::kPipelineOverBudget, "pipeline.over_budget_cycles"},
+    {Counter::kPipelineOverBudgetFrames, "pipeline.over_budget_frames", true},
+    {Counter::kPipelineWallClockSteps, "pipeline.wall_clock_steps"},
     {Counter::kPipelineLongestCycleUs, "pipeline.longest_cycle_us"},
     {Counter::kPipelineEventsDropped, "pipeline.events_dropped", true},
     {Counter::kPipelineEventsHeldBack, "pipeline.events_held_back"},

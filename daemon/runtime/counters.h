@@ -27,14 +27,14 @@ enum class Counter : std::uint8_t {
   kSourceBadReserved,
   kSourceBadKind,
   kSourceNoSession,
-  kSourceMalformed,      // not the message that the header announces, or not the rig's protocol
-  kSourceIncomplete,     // frames, or samples in several datagrams, of which a part is missing
-  kSourceIgnored,        // messages of a rig that carry no pose
-  kSourceBadName,        // performer's name is not [A-Za-z0-9_-]{1,32}
-  kSourceKernelDropped,  // datagrams that the kernel dropped because the socket's buffer was full
-  kSourceRateLimited,    // datagrams of a sender beyond sender_limit_hz; not in kSourceReceived
-  kSourceTakeovers,      // refused: handshakes for a live tracker from another address
-  kSourceTableFull,      // handshakes of trackers for which there is no room
+  kSourceMalformed,       // not the message that the header announces, or not the rig's protocol
+  kSourceIncomplete,      // frames, or samples in several datagrams, of which a part is missing
+  kSourceIgnored,         // messages of a rig that carry no pose
+  kSourceBadName,         // performer's name is not [A-Za-z0-9_-]{1,32}
+  kSourceKernelDropped,   // datagrams that the kernel dropped because the socket's buffer was full
+  kSourceRateLimited,     // datagrams of a sender beyond sender_limit_hz; not in kSourceReceived
+  kSourceTakeovers,       // refused: handshakes for a live tracker from another address
+  kSourceTableFull,       // handshakes of trackers for which there is no room
   kSourceTcpAccepted,
   kSourceTcpRefused,   // refused because max_connections connections were open, all of them sending
   kSourceTcpGaveWay,   // silent connections closed to make room for a new one
@@ -74,13 +74,16 @@ enum class Counter : std::uint8_t {
   kPipelineNamesExpired,   // stored settings dropped because their performer never arrived
   kPipelineCommands,
   kPipelineCues,
-  kPipelinePrewarmed,       // frames whose data was brought into the caches beforehand
-  kPipelineOverBudget,      // cycles longer than a frame's period at 120 Hz
-  kPipelineLongestCycleUs,  // the longest cycle of the last second, in microseconds
-  kPipelineEventsDropped,   // log messages dropped because their ring was full
-  kPipelineEventsHeldBack,  // log messages held back by the limit per kind and performer
-  kPipelineBackwards,       // frames published with FLAG_BACKWARDS
-  kPipelinePropsLeftOut,    // props of frames that were not passed on: proto/styled/v1/WIRE.md
+  kPipelinePrewarmed,         // frames whose data was brought into the caches beforehand
+  kPipelineOverBudget,        // cycles longer than a frame's period at 120 Hz
+  kPipelineOverBudgetFrames,  // frames that left later than a period of their rig after they
+                              // arrived
+  kPipelineWallClockSteps,    // the wall clock was set
+  kPipelineLongestCycleUs,    // the longest cycle of the last second, in microseconds
+  kPipelineEventsDropped,     // log messages dropped because their ring was full
+  kPipelineEventsHeldBack,    // log messages held back by the limit per kind and performer
+  kPipelineBackwards,         // frames published with FLAG_BACKWARDS
+  kPipelinePropsLeftOut,      // props of frames that were not passed on: proto/styled/v1/WIRE.md
   kStylistConcealed,  // published frames with this flag; so are the others up to kStylistFailed
   kStylistHeld,
   kStylistOutOfDomain,

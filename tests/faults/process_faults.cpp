@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/faults/faults.h"
 #include "tests/faults/stage.h"
@@ -163,6 +164,55 @@ Outcome FullDisk(const Effort& effort) {
                  kept ? "" : " (not at all)")};
 }
 
+// The daemon is stopped for 22 ms ten times a second, as a busy machine does it. The sender writes
+// its own time of sending into each frame, on this machine's monotonic clock; the daemon counts by
+// the kernel's timestamps and does not know of that.
+Outcome Stalls(const Effort& effort) {
+  Daemon daemon;
+  const Watcher watcher(daemon.publish);
+  Feed feed(daemon.udp, 1, [](support::Rig& rig) {
+    rig.time_ns = static_cast<std::uint64_t>(Now_ns());
+    return true;
+  });
+  if (!watcher.Sees(5)) return Failed("no frame");
+  Sleep(1);
+  ControlClient control(daemon.control);
+  const auto counted_before = control.Counter("pipeline.over_budget_frames");
+  const Watcher::Seen before = watcher.seen();
+  const std::int64_t until_ns = Now_ns() + static_cast<std::int64_t>(effort.Seconds(60) * 1e9);
+  int stops = 0;
+  for (; Now_ns() < until_ns; ++stops) {
+    daemon.child->Signal(SIGSTOP);
+    Sleep(0.022);
+    daemon.child->Signal(SIGCONT);
+    Sleep(0.078);
+  }
+  Sleep(1.5);  // the log and the statistics have the last second, too
+  const Watcher::Seen after = watcher.seen();
+  const v1::StatusReply status = control.Status();
+  const auto counted = control.Counter("pipeline.over_budget_frames") - counted_before;
+  const auto late = after.over_period - before.over_period;
+  const auto frames = after.frames - before.frames;
+  // Beside the rounding of few: the sender is interrupted between its clock and its sending, and
+  // the daemon between the frame's time and its sending, once in a while.
+  const double allowed = 0.05 * static_cast<double>(late) + 3 + 0.1 * stops;
+  const bool counts = std::abs(static_cast<double>(counted) - static_cast<double>(late)) <= allowed;
+  const auto& performer = status.stats().performers(0);
+  const bool tells = performer.latency_p99_minute_us() > 8333 &&
+                     performer.latency_p99_overall_us() > 8333 &&
+                     performer.over_budget() >= counted;
+  const bool logs = daemon.Log().find("pipeline.over_budget_frames: ") != std::string::npos &&
+                    daemon.Log().find("in all; source rig") != std::string::npos;
+  return {counts && tells && logs && late >= static_cast<std::uint64_t>(stops), true,
+          Format("%d stops, %llu frames: %llu left more than 8.33 ms after they were sent, "
+                 "%llu counted; p99 %.1f ms of the last minute, %.1f ms since the start%s",
+                 stops, static_cast<unsigned long long>(frames),
+                 static_cast<unsigned long long>(late), static_cast<unsigned long long>(counted),
+                 static_cast<double>(performer.latency_p99_minute_us()) / 1000,
+                 static_cast<double>(performer.latency_p99_overall_us()) / 1000,
+                 logs ? "" : "; the log does not say so")};
+}
+
 // An hour of a show: clients come and go, the configuration is read again, styles change.
 Outcome Soak(const Effort& effort) {
   Daemon daemon;
@@ -221,6 +271,8 @@ std::vector<Fault> ProcessFaults() {
           {"descriptors", "no file descriptor left", "no exit, nothing lost, back <= 5 s",
            NoDescriptors},
           {"disk", "the disk is full", "no exit, nothing lost, back <= 5 s", FullDisk},
+          {"stalls", "stopped for 22 ms ten times a second",
+           "frames that leave later than a period are counted to 5 %, logged, and in p99", Stalls},
           {"soak", "an hour with clients, reloads and styles that change",
            "RSS slope <= 1 MB/h, descriptors constant, nothing missing", Soak}};
 }

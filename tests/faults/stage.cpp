@@ -110,6 +110,8 @@ void Watcher::Take(const std::string& payload) {
   seen_.epoch = frame.epoch();
   ++seen_.frames;
   if (!good) ++seen_.bad;
+  const auto took_ns = static_cast<std::int64_t>(frame.publish_time_ns() - frame.source_time_ns());
+  if (took_ns > 1'000'000'000 / 120) ++seen_.over_period;
   std::uint64_t& last = sequence_[frame.performer()];
   if (last != 0 && frame.sequence() > last + 1) {
     seen_.missing += frame.sequence() - last - 1;

@@ -50,8 +50,11 @@ class Watcher {
     std::uint64_t frames = 0;
     std::uint64_t missing = 0;      // by the published sequence, within one epoch
     std::uint64_t longest_gap = 0;  // frames missing in one go
-    std::uint64_t bad = 0;     // a frame with something non-finite, or a rotation not of length 1
-    std::int64_t last_ns = 0;  // when the last frame came
+    std::uint64_t bad = 0;  // a frame with something non-finite, or a rotation not of length 1
+    // Frames that left more than 1/120 s after their source time, where that is this machine's
+    // monotonic clock.
+    std::uint64_t over_period = 0;
+    std::int64_t last_ns = 0;           // when the last frame came
     std::int64_t last_wall_ns = 0;      // Unix time by the daemon's clock, in that frame
     std::int64_t longest_pause_ns = 0;  // between two frames of any performer
     std::string style;                  // of the last frame, "" = none

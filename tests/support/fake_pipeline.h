@@ -18,8 +18,9 @@ namespace styled::support {
 class FakeClock final : public runtime::Clock {
  public:
   std::int64_t Now_ns() const noexcept override { return now_ns; }
-  std::int64_t Wall_ns() const noexcept override { return now_ns + 1'700'000'000'000'000'000; }
+  std::int64_t Wall_ns() const noexcept override { return now_ns + wall_ahead_ns; }
   std::int64_t now_ns = 1'000'000'000'000;
+  std::int64_t wall_ahead_ns = 1'700'000'000'000'000'000;
 };
 
 // Keeps the published frames and counts everything else.

@@ -310,9 +310,9 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   if (stats.has_clock()) out += ClockText(stats.clock());
   if (stats.has_standby()) out += StandbyText(stats.standby());
   if (stats.performers_size() > 0) {
-    std::vector<std::vector<std::string>> rows{{"PERFORMER", "STATE", "HZ", "P50 us", "P99 us",
-                                                "MAX us", "PUBLISHED", "LOST", "STRENGTH", "STYLE",
-                                                "TURNS deg", ""}};
+    std::vector<std::vector<std::string>> rows{
+        {"PERFORMER", "STATE", "HZ", "P50 us", "P99 us", "MAX us", "P99 1 min", "P99 all", "OVER",
+         "PUBLISHED", "LOST", "STRENGTH", "STYLE", "TURNS deg", ""}};
     std::string warnings, merged, held_back;
     for (const auto& performer : stats.performers()) {
       std::string notes;
@@ -337,6 +337,9 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                                        : "silent",
                       Fixed(performer.rate_hz(), 1), Fixed(performer.latency_p50_us(), 0),
                       Fixed(performer.latency_p99_us(), 0), Fixed(performer.latency_max_us(), 0),
+                      Fixed(performer.latency_p99_minute_us(), 0),
+                      Fixed(performer.latency_p99_overall_us(), 0),
+                      std::to_string(performer.over_budget()),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
                       performer.has_turned_deg() ? Fixed(performer.turned_deg(), 1) : "-", notes});
@@ -448,6 +451,10 @@ json StatusJson(const v1::StatusReply& status) {
              {"latency_p50_us", performer.latency_p50_us()},
              {"latency_p99_us", performer.latency_p99_us()},
              {"latency_max_us", performer.latency_max_us()},
+             {"latency_p99_minute_us", performer.latency_p99_minute_us()},
+             {"latency_p99_overall_us", performer.latency_p99_overall_us()},
+             {"period_ms", performer.period_ms()},
+             {"over_budget", performer.over_budget()},
              {"received", performer.received()},
              {"published", performer.published()},
              {"lost", performer.lost()},

@@ -154,7 +154,8 @@ def run_status(a):
     for p in status.stats.performers:
         styles = ' '.join(f'{s.style}={s.weight:g}' for s in p.look.mix) or 'bypass'
         print(f'{p.performer}: {"live" if p.live else "silent"}, {p.rate_hz:.1f} Hz, {styles}, '
-              f'strength {p.look.strength:g}, latency p99 {p.latency_p99_us:.0f} us')
+              f'strength {p.look.strength:g}, latency p99 {p.latency_p99_us:.0f} us, '
+              f'{p.over_budget} frames later than a period')
     return 0
 
 

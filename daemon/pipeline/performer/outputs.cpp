@@ -103,7 +103,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
 }
 
 void Outputs::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,
-                   std::int64_t now_ns, std::optional<std::int64_t> measure_from_ns) {
+                   std::int64_t now_ns, bool repeats) {
   for (std::size_t i = 0; i < ready_.size(); ++i) {
     if (!ready_[i].empty() && topics_[i].wanted != 0) publisher.Send(topics_[i].name, ready_[i]);
     bundles[i].Add(ready_[i], publisher);
@@ -114,9 +114,7 @@ void Outputs::Send(publish::Publisher& publisher, std::span<publish::Bundle> bun
     stream->MarkSent();
   }
   last_send_ns_ = now_ns;
-  if (!measure_from_ns) return;
-  ++published_;
-  latency_.Add(now_ns - *measure_from_ns);
+  published_ += repeats ? 0 : 1;
 }
 
 bool Outputs::Asked() const {
@@ -137,24 +135,6 @@ void Outputs::SendBodies(publish::Publisher& publisher) {
   send(rig_bytes_);
   send(canonical_bytes_);
   for (const auto& stream : streams_) send(stream->body_bytes());
-}
-
-std::uint64_t Outputs::Sample(bool keep) noexcept {
-  const std::uint64_t frames = published_ - published_at_sample_;
-  published_at_sample_ = published_;
-  if (keep && frames == 0) return frames;
-  p50_us_ = latency_.Percentile_us(0.5F);
-  p99_us_ = latency_.Percentile_us(0.99F);
-  max_us_ = latency_.Max_us();
-  latency_.Clear();
-  return frames;
-}
-
-void Outputs::Describe(v1::PerformerStats& stats) const {
-  stats.set_latency_p50_us(p50_us_);
-  stats.set_latency_p99_us(p99_us_);
-  stats.set_latency_max_us(max_us_);
-  stats.set_published(published_);
 }
 
 }  // namespace styled::pipeline

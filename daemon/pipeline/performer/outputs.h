@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/pipeline/body_binding.h"
@@ -18,20 +19,17 @@
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/counters.h"
-#include "daemon/runtime/histogram.h"
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/rig/tail.h"
 #include "proto/styled/v1/body.pb.h"
-#include "proto/styled/v1/stats.pb.h"
 
 namespace styled::pipeline {
 
 // The published output of one performer: a topic each for the rig's skeleton, the canonical
 // humanoid (with the rig's fingers, eyes and jaw behind it), the source and the bodies, and one for
 // each RetargetOutput; and its part of the bundles. A topic is serialized only while a client
-// subscribes to it or to its bundle. Also measures the latency from receive to send. Pipeline
-// thread; Bind, SendBodies and Describe allocate.
+// subscribes to it or to its bundle. Pipeline thread; Bind and SendBodies allocate.
 class Outputs {
  public:
   // `id`: the performer's; `subscriptions` and `counters` must outlive it.
@@ -57,10 +55,10 @@ class Outputs {
   // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
   STYLED_REALTIME void Serialize(const publish::FrameHeader& header, std::uint32_t flags,
                                  const Styling& styling, std::span<const std::byte> face) noexcept;
-  // Sends what Serialize prepared, and adds it to the bundles. `measure_from_ns`: when the frame
-  // was received, for the latency; empty for a repetition, which is not measured.
+  // Sends what Serialize prepared, and adds it to the bundles. `repeats`: it is the last pose
+  // again, which does not count as published.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns,
-            std::optional<std::int64_t> measure_from_ns);
+            bool repeats);
   std::int64_t last_send_ns() const { return last_send_ns_; }
 
   // The retargeting of all streams; see model/base/checkpoint.h.
@@ -72,10 +70,9 @@ class Outputs {
   bool Asked() const;
   void SendBodies(publish::Publisher& publisher);
 
-  // Call once a second; returns the frames sent since the last call. If `keep` is set and there
-  // were none, the latencies stay as they are, for slow rigs.
-  std::uint64_t Sample(bool keep) noexcept;
-  void Describe(v1::PerformerStats& stats) const;
+  // Call once a second; returns the poses published since the last call.
+  std::uint64_t Sample() noexcept { return published_ - std::exchange(sampled_, published_); }
+  std::uint64_t published() const { return published_; }
 
  private:
   enum TopicIndex : std::uint8_t { kRig, kCanonical, kSource, kBody, kTopicCount };
@@ -104,9 +101,7 @@ class Outputs {
   std::vector<std::unique_ptr<RetargetStream>> streams_;
   std::array<std::span<const std::byte>, kFrameTopics> ready_;  // empty: not subscribed
   std::int64_t last_send_ns_ = 0;
-  std::uint64_t published_ = 0, published_at_sample_ = 0;
-  runtime::Histogram latency_;
-  float p50_us_ = 0, p99_us_ = 0, max_us_ = 0;  // of the last second
+  std::uint64_t published_ = 0, sampled_ = 0;
 };
 
 }  // namespace styled::pipeline

@@ -132,7 +132,7 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   styling_->Finish(failed ? stylist::kFailed : 0U);
   WatchFacing();
   Serialize(styling_->out().flags | context_.extra_flags, context_);
-  measure_from_ns_ = context_.receive_ns;
+  repeats_ = false;
 }
 
 void Performer::WatchFacing() noexcept {
@@ -161,13 +161,13 @@ bool Performer::Repeat(FrameContext context) noexcept {
   const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
   const std::uint32_t backwards = backwards_ ? v1::FLAG_BACKWARDS : v1::FLAG_NONE;
   Serialize((styling_->out().flags & ~once) | backwards | v1::FLAG_STALE, context);
-  measure_from_ns_.reset();
+  repeats_ = true;
   return true;
 }
 
 void Performer::Serialize(std::uint32_t flags, const FrameContext& context) noexcept {
   header_.sequence = profile.next_sequence++;
-  header_.receive_time_ns = context.receive_ns;
+  header_.receive_time_ns = context.arrival_ns;
   header_.publish_time_ns = context.publish_ns;
   header_.wall_time_ns = context.wall_ns;
   header_.contacts = styling_->out().contacts;
@@ -176,7 +176,7 @@ void Performer::Serialize(std::uint32_t flags, const FrameContext& context) noex
 
 void Performer::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,
                      std::int64_t now_ns) {
-  outputs.Send(publisher, bundles, now_ns, measure_from_ns_);
+  outputs.Send(publisher, bundles, now_ns, repeats_);
 }
 
 std::string Performer::Warning() const {
@@ -202,14 +202,16 @@ bool Performer::FacingChanged() noexcept {
   return std::exchange(backwards_logged_, backwards_) != backwards_;
 }
 
-void Performer::Sample() {
-  admission.Sample(outputs.Sample(admission.live()));
+void Performer::Sample(std::int64_t now_ns) {
+  admission.Sample(outputs.Sample());
+  latency.Sample(admission.live(), now_ns);
   if (styling_) styling_->Sample();
 }
 
 void Performer::Describe(v1::PerformerStats& stats) const {
   admission.Describe(stats);
-  outputs.Describe(stats);
+  stats.set_published(outputs.published());
+  latency.Describe(stats);
   stats.set_warning(Warning());
   if (stats.warning().empty() && !unknown_styles_.empty()) {
     stats.set_warning("no style \"" + unknown_styles_.front() +

@@ -10,6 +10,7 @@
 #include "daemon/pipeline/performer/binding.h"
 #include "daemon/pipeline/performer/carried_props.h"
 #include "daemon/pipeline/performer/fingers.h"
+#include "daemon/pipeline/performer/latency.h"
 #include "daemon/pipeline/performer/outputs.h"
 #include "daemon/pipeline/performer/smoothing.h"
 #include "daemon/pipeline/performer/styling.h"
@@ -69,7 +70,8 @@ class Performer {
   enum class Accepted : std::uint8_t { kOk, kWrongSize, kUncalibrated };
   struct FrameContext {
     std::int64_t elapsed_ns = 0;
-    std::int64_t receive_ns = 0, publish_ns = 0, wall_ns = 0;
+    // arrival_ns: of its datagram; receive_ns: of its batch.
+    std::int64_t arrival_ns = 0, receive_ns = 0, publish_ns = 0, wall_ns = 0;
     std::uint64_t source_sequence = 0;
     std::uint32_t extra_flags = 0;
     std::span<const std::byte> face{};  // what is passed on beside the pose; valid during the call
@@ -85,8 +87,7 @@ class Performer {
   STYLED_REALTIME void Prewarm() noexcept;
   // Serializes the last pose again, flagged stale. Returns false if there is none.
   STYLED_REALTIME bool Repeat(FrameContext context) noexcept;
-  // Sends what Finish or Repeat serialized, adds it to the bundles, and measures the latency of a
-  // frame from its receive_ns to now.
+  // Sends what Finish or Repeat serialized, and adds it to the bundles.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns);
 
   // CRC-32C of the last styled pose on the canonical body; 0 before the first.
@@ -111,7 +112,7 @@ class Performer {
   bool FacingChanged() noexcept;
 
   // Call once a second.
-  void Sample();
+  void Sample(std::int64_t now_ns);
   void Describe(v1::PerformerStats& stats) const;
 
   Profile& profile;
@@ -120,6 +121,7 @@ class Performer {
   const std::int64_t added_ns;  // when this object was made
   Admission admission;
   Outputs outputs;
+  Latency latency;
   std::int64_t next_body_ns = 0;         // when the bodies are due again
   int newest_in_batch = -1;              // used by the pipeline within a batch
   std::optional<std::int64_t> timecode;  // TimecodeLabel of the last frame with a timecode
@@ -140,8 +142,8 @@ class Performer {
   PoseSmoothing smoothing_;
   std::vector<FingerLayer*> finger_layers_;
   Fingers fingers_;
-  std::vector<std::byte> face_;                  // what is passed on beside the pose
-  std::optional<std::int64_t> measure_from_ns_;  // of what is serialized; nothing: a repetition
+  std::vector<std::byte> face_;  // what is passed on beside the pose
+  bool repeats_ = false;         // what is serialized is the last pose again
   Facing facing_;
   std::int64_t faced_ns_ = 0;  // source time of the last frame in facing_
   bool backwards_ = false, backwards_logged_ = false;

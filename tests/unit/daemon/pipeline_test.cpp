@@ -142,6 +142,51 @@ TEST_F(PipelineTest, UpToTheBacklogAllLateFramesArePublishedBeyondItTheNewestOnl
   EXPECT_EQ(Count(Counter::kPipelineBacklogDropped), 23U);
 }
 
+TEST_F(PipelineTest, AWallClockThatIsSetIsToldOnceAndMakesNoFrameLate) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  Pass(1000);
+  const std::int64_t before_ns = clock_.Wall_ns();
+  clock_.wall_ahead_ns -= 3'600'000 * kMs;
+  Pass(1000);
+  Pass(1000);
+  Deliver({rig_.Frame()});
+  EXPECT_EQ(Count(Counter::kPipelineWallClockSteps), 1U);
+  std::string lines;
+  for (Event event; mailboxes_.events.Pop(event);) lines += event.text + "\n";
+  EXPECT_NE(lines.find("the wall clock was set by -3600.000 s"), std::string::npos) << lines;
+  EXPECT_EQ(Count(Counter::kPipelineOverBudgetFrames), 0U);
+  EXPECT_EQ(static_cast<std::int64_t>(frames().back().wall_time_ns()),
+            before_ns + (2000 - 3'600'000) * kMs);
+}
+
+// A datagram that waited in the kernel while the daemon stood still.
+TEST_F(PipelineTest, AFrameThatLeavesAPeriodAfterItsArrivalIsCounted) {
+  Deliver({rig_.Body(), rig_.Frame()});
+  const auto deliver = [this](std::int64_t waited_ms) {
+    Pass(8);
+    const support::Bytes frame = rig_.Frame();
+    const std::span<const std::byte> bytes(frame);
+    const std::int64_t arrival_ns = clock_.now_ns - waited_ms * kMs;
+    source::NativeDecoder(0, counters_).HandOn({&bytes, 1}, {}, pipeline(), {&arrival_ns, 1});
+  };
+  deliver(8);
+  EXPECT_EQ(Count(Counter::kPipelineOverBudgetFrames), 0U);
+  deliver(9);
+  deliver(150);
+  EXPECT_EQ(Count(Counter::kPipelineOverBudgetFrames), 2U);
+  EXPECT_EQ(counters_.TakeSources(Counter::kPipelineOverBudgetFrames), 1U);
+  const auto& last = frames().back();
+  EXPECT_EQ(last.publish_time_ns() - last.receive_time_ns(), std::uint64_t{150 * kMs});
+  Pass(1000);
+  v1::Request request;
+  request.mutable_status();
+  const v1::Reply reply = Ask(request);
+  const auto& performer = reply.status().stats().performers(0);
+  EXPECT_EQ(performer.over_budget(), 2U);
+  EXPECT_NEAR(performer.period_ms(), 8.33F, 0.01F);
+  EXPECT_GT(performer.latency_max_us(), 149'000);
+}
+
 TEST_F(PipelineTest, SilenceIsStaleOnceThenNothingThenForgotten) {
   Deliver({rig_.Body(), rig_.Frame()});
   Pass(249);

@@ -33,6 +33,10 @@ TEST(NatsBridge, KeepsOfAPerformerWhatLasts) {
   later.set_latency_p50_us(1);
   later.set_latency_p99_us(2);
   later.set_latency_max_us(3);
+  later.set_latency_p99_minute_us(3);
+  later.set_latency_p99_overall_us(3);
+  later.set_period_ms(8);
+  later.set_over_budget(3);
   later.set_received(120);
   later.set_published(120);
   later.set_lost(1);

@@ -97,9 +97,10 @@ export function plots(app: App, missed: () => number): HTMLElement {
   const drops = new Plot('Lost', [
     { label: 'rig', color: '#ff7a6b' },
     { label: 'viewer', color: '#b48cff' },
-  ], ([rig, viewer]) => `${rig} / ${viewer} per s`, 5);
+    { label: 'late', color: '#ffb35c' }, // left later than a period of the rig after they arrived
+  ], ([rig, viewer, late]) => `${rig} / ${viewer} / ${late} per s`, 5);
   const all = [latency, rate, drops];
-  let shown = '', lost = 0, viewer = 0, at = -1, came_ms = -Infinity;
+  let shown = '', lost = 0, viewer = 0, late = 0, at = -1, came_ms = -Infinity;
   app.client.on('stats', () => {
     if (shown !== app.selected) {
       shown = app.selected;
@@ -112,10 +113,10 @@ export function plots(app: App, missed: () => number): HTMLElement {
     const live = entry.live;
     latency.add(time_s, live ? [entry.latencyMaxUs, entry.latencyP99Us, entry.latencyP50Us] : [null, null, null]);
     rate.add(time_s, live ? [entry.rateHz] : [null]);
-    const [rigNow, viewerNow] = [Number(entry.lost), missed()];
-    const fresh = at < 0;
-    drops.add(time_s, [fresh ? 0 : Math.max(0, rigNow - lost), fresh ? 0 : Math.max(0, viewerNow - viewer)]);
-    [lost, viewer, at] = [rigNow, viewerNow, time_s];
+    const [rigNow, viewerNow, lateNow] = [Number(entry.lost), missed(), Number(entry.overBudget)];
+    const more = (now: number, before: number) => at < 0 ? 0 : Math.max(0, now - before);
+    drops.add(time_s, [more(rigNow, lost), more(viewerNow, viewer), more(lateNow, late)]);
+    [lost, viewer, late, at] = [rigNow, viewerNow, lateNow, time_s];
     came_ms = performance.now();
   });
   const look = () => {
