@@ -97,7 +97,8 @@ Status Supervisor::Start() {
           standby_ != nullptr ? static_cast<runtime::Clock&>(standby_->clock()) : clock_, counters_,
           standby_ != nullptr ? standby_->publisher() : *publisher_, mailboxes_, recorder_.get(),
           config_.realtime.prewarm || config_.realtime.wait == "hybrid", config_.realtime.prewarm,
-          config_.realtime.wait == "hybrid", &clock_watch_, standby_.get()},
+          config_.realtime.wait == "hybrid", &clock_watch_, standby_.get(),
+          config_.realtime.relieve},
       std::move(names), std::move(transports_), runtime_config_, epoch_,
       config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));

@@ -54,6 +54,7 @@ v1::PerformerStats Lasting(const v1::PerformerStats& performer) {
   lasting.clear_latency_p99_overall_us();
   lasting.clear_period_ms();
   lasting.clear_over_budget();
+  lasting.clear_overload_bypassed();
   lasting.clear_received();
   lasting.clear_published();
   lasting.clear_lost();

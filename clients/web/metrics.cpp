@@ -144,6 +144,12 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
        [](const P& p) { return Whole(p.over_budget()); });
   each("styled_performer_period_seconds", "gauge", "period of the rig, by its own clock",
        [](const P& p) { return Number(p.period_ms() * 1e-3); });
+  each("styled_performer_overload_bypass", "gauge",
+       "1 while the style is faded out because the machine cannot keep up",
+       [](const P& p) { return string(p.overload_bypass() ? "1" : "0"); });
+  each("styled_performer_overload_bypassed_total", "counter",
+       "frames sent without style because the machine cannot keep up",
+       [](const P& p) { return Whole(p.overload_bypassed()); });
   text.Family("styled_performer_latency_seconds", "gauge",
               "from arrival to the end of sending, over the last second; p99 also over the last "
               "minute and since the performer appeared");

@@ -199,6 +199,7 @@ struct Realtime {
   int cpu = -1;
   std::string wait = "block";  // "hybrid", "busy"
   bool prewarm = true;
+  bool relieve = true;
   friend bool operator==(const Realtime&, const Realtime&) = default;
 };
 

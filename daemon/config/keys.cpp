@@ -245,7 +245,8 @@ std::vector<Section> MakeSections() {
         Integer<C>("priority", 0, 99, STYLED_FIELD(realtime.priority)),
         Integer<C>("cpu", -1, 1023, STYLED_FIELD(realtime.cpu)),
         OneOf<C>("wait", {"block", "hybrid", "busy"}, STYLED_FIELD(realtime.wait)),
-        Flag<C>("prewarm", STYLED_FIELD(realtime.prewarm))}},
+        Flag<C>("prewarm", STYLED_FIELD(realtime.prewarm)),
+        Flag<C>("relieve", STYLED_FIELD(realtime.relieve))}},
   };
 }
 

@@ -23,6 +23,9 @@ struct Dependencies {
   runtime::ClockWatch* clock_watch = nullptr;  // null: statistics say nothing of the clock
   // Null: this daemon is alone. Else `clock` and `publisher` are its own.
   standby::Standby* standby = nullptr;
+  // Fades styles out where the machine cannot keep up (overload.h). It depends on the time that
+  // styling takes, so a replay does without.
+  bool relieves = false;
 };
 
 }  // namespace styled::pipeline

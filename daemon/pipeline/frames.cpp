@@ -21,11 +21,13 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
   outcomes_.fill({});
+  batch_ = {};
   if (Layer* const layer = layers_.Of(source)) {
     AcceptLayer(*layer, source, frames, hot);
     return JournalFrames(source, frames);
   }
   const std::int64_t elsewhere_ns = stages_.Elsewhere_ns();
+  const std::int64_t styling_ns = stages_.Spent_ns(Stages::kStyle);
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool is_body = frames[i].is_body;
@@ -46,7 +48,12 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   MeasureLatencies(source, frames, SendBundles());
   for (const auto& performer : roster_.performers) performer->newest_in_batch = -1;
   JournalFrames(source, frames);
+  const std::int64_t batch_ns = to_.clock.Now_ns() - receive_ns_;
+  batch_.busy_ns = batch_ns;
+  batch_.styling_ns = stages_.Spent_ns(Stages::kStyle) - styling_ns;
+  overload_.Add(batch_);
   // kTake gets the part of the batch's time that no other stage accounts for.
+  stages_.Add(Stages::kTake, batch_ns - (stages_.Elsewhere_ns() - elsewhere_ns));
 }
 
 void Pipeline::AcceptLayer(Layer& layer, int source, std::span<const source::SourceFrame> frames,
@@ -127,11 +134,13 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     if (decided_[at].fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
     if (decided_[at].fate == v1::FATE_STYLED) {
       performer.profile.next_sequence = decided_[at].published;
+      performer.Relieve(decided_[at].relieved);
     }
   }
   if (passed_over) {
     outcome.fate = v1::FATE_PASSED_OVER;
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
+    if (now_ns - ArrivalOf(*item.frame) > performer.latency.rig.period_ns()) ++batch_.dropped;
     return;  // not a refusal: the newest frame is sent
   }
   if (item.frame->has_timecode && !roster_.config().cues.empty()) {
@@ -155,6 +164,11 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     return;
   }
   outcome.fate = v1::FATE_STYLED;
+  outcome.relieved = performer.relieved();
+  if (outcome.relieved) {
+    performer.CountRelieved();
+    to_.counters.AddOf(source, Counter::kPipelineOverloadBypassed);
+  }
   accepted_items_[accepted_count_] = index;
   accepted_[accepted_count_++] = &performer;
   performer.admission.MarkLive(receive_ns_);
@@ -226,8 +240,10 @@ void Pipeline::MeasureLatencies(int source, std::span<const source::SourceFrame>
     Performer* performer = items_[i].performer;
     if (performer == nullptr) performer = roster_.Find(source, frames[i].performer);
     if (performer == nullptr) continue;
+    ++batch_.sent;
     const std::int64_t left_ns = bundled ? now_ns : items_[i].sent_ns;
     if (!performer->latency.Add(left_ns - ArrivalOf(frames[i]))) continue;
+    ++batch_.late;
     to_.counters.AddOf(source, Counter::kPipelineOverBudgetFrames);
   }
 }

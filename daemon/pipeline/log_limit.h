@@ -29,6 +29,7 @@ class LogLimit {
     kFace,
     kFingers,
     kStandby,
+    kOverload,
     kCount
   };
 

@@ -54,7 +54,9 @@ int Pipeline::DoWork() {
   work += DoTakes(begin_ns);
   work += DoTimers(begin_ns, drained);
   work += DoSubscriptions();
-  if (work > 0) stats_.NoteCycle(to_.clock.Now_ns() - begin_ns);
+  const std::int64_t end_ns = to_.clock.Now_ns();
+  if (work > 0) stats_.NoteCycle(end_ns - begin_ns);
+  if (work > 0 && to_.relieves && leads()) BalanceLoad(end_ns);
   return work;
 }
 

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/dependencies.h"
 #include "daemon/pipeline/event_log.h"
 #include "daemon/pipeline/layers.h"
+#include "daemon/pipeline/overload.h"
 #include "daemon/pipeline/roster.h"
 #include "daemon/pipeline/stages.h"
 #include "daemon/pipeline/stats.h"
@@ -167,6 +168,7 @@ class Pipeline final : public Worker, public source::Receiver {
   STYLED_REALTIME bool PassOver(Performer& performer, int index, bool full,
                                 std::int64_t lateness_ns) const noexcept;
   int LogLayers(std::int64_t now_ns);
+  void BalanceLoad(std::int64_t now_ns);
   void LookAtWallClock();
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(const v1::Request& request, v1::Reply& reply);
@@ -218,6 +220,8 @@ class Pipeline final : public Worker, public source::Receiver {
   publish::SubscriptionEvent subscription_;
   int busy_cycles_ = 0;  // since silence was last checked
   runtime::WallWatch wall_watch_;
+  Overload overload_;
+  Overload::Batch batch_;  // the current one
 };
 
 }  // namespace styled::pipeline

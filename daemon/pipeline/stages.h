@@ -27,6 +27,7 @@ class Stages {
   STYLED_REALTIME std::int64_t Elsewhere_ns() const noexcept {
     return sums_[kStyle].ns + sums_[kSerialize].ns + sums_[kSend].ns;
   }
+  STYLED_REALTIME std::int64_t Spent_ns(Stage stage) const noexcept { return sums_[stage].ns; }
 
   // Call once a second: fixes the values for Describe.
   void Sample() noexcept {

@@ -1,6 +1,7 @@
 // The pipeline's work that depends on time: deadlines, silence, bodies, statistics.
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 
 #include "daemon/pipeline/pipeline.h"
 
@@ -114,6 +115,47 @@ void Pipeline::LookAtWallClock() {
   log_.Log(Event::Level::kWarning,
            std::string("the wall clock was set by ") + by.data() +
                " s, or the machine slept: the frames' wall times follow it");
+}
+
+// Who loses their style first: who shows least of it, before those who are pinned; of equals the
+// one who came last. In the opposite order they get it back.
+void Pipeline::BalanceLoad(std::int64_t now_ns) {
+  if (!overload_.due(now_ns)) return;
+  const auto share = [](const Performer& performer) {
+    float sum = 0;
+    for (const auto& entry : performer.profile.look.mix()) sum += entry.weight();
+    return sum * performer.profile.look.strength();
+  };
+  const auto before = [&](const Performer& a, const Performer& b) {
+    if (a.profile.pinned != b.profile.pinned) return b.profile.pinned;
+    if (share(a) != share(b)) return share(a) < share(b);
+    return a.added_ns > b.added_ns;
+  };
+  int styled = 0, relieved = 0;
+  for (const auto& performer : roster_.performers) {
+    if (performer->admission.live()) ++(performer->relieved() ? relieved : styled);
+  }
+  const int change = overload_.Decide(now_ns, styled, relieved);
+  std::string names;
+  for (int i = 0; i < std::abs(change); ++i) {
+    Performer* next = nullptr;
+    for (const auto& performer : roster_.performers) {
+      if (!performer->admission.live() || performer->relieved() == (change > 0)) continue;
+      const bool better =
+          next == nullptr || (change > 0 ? before(*performer, *next) : before(*next, *performer));
+      if (better) next = performer.get();
+    }
+    if (next == nullptr) break;
+    next->Relieve(change > 0);
+    names += (names.empty() ? "" : ", ") + next->profile.id;
+  }
+  if (names.empty()) return;
+  const int percent = static_cast<int>(100 * overload_.load() + 0.5);
+  log_.LogOf(LogLimit::Kind::kOverload, {}, "overload",
+             change > 0 ? Event::Level::kWarning : Event::Level::kInfo,
+             (change > 0 ? "frames leave too late at a load of " : "there is room at a load of ") +
+                 std::to_string(percent) + " %: the style of " + names +
+                 (change > 0 ? " fades out" : " comes back"));
 }
 
 // A phone or a glove that is switched off is seen nowhere else.

@@ -328,6 +328,7 @@ bool IsOfTheMotion(runtime::Counter counter) {
     case Counter::kPipelineLongestCycleUs:
     case Counter::kPipelineOverBudget:
     case Counter::kPipelineOverBudgetFrames:
+    case Counter::kPipelineOverloadBypassed:
     case Counter::kPipelineWallClockSteps:
       return false;
     default:

@@ -71,6 +71,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelinePrewarmed, "pipeline.prewarmed"},
     {Counter::kPipelineOverBudget, "pipeline.over_budget_cycles"},
     {Counter::kPipelineOverBudgetFrames, "pipeline.over_budget_frames", true},
+    {Counter::kPipelineOverloadBypassed, "pipeline.overload_bypassed_frames", true},
     {Counter::kPipelineWallClockSteps, "pipeline.wall_clock_steps"},
     {Counter::kPipelineLongestCycleUs, "pipeline.longest_cycle_us"},
     {Counter::kPipelineEventsDropped, "pipeline.events_dropped", true},

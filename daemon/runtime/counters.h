@@ -78,6 +78,7 @@ enum class Counter : std::uint8_t {
   kPipelineOverBudget,        // cycles longer than a frame's period at 120 Hz
   kPipelineOverBudgetFrames,  // frames that left later than a period of their rig after they
                               // arrived
+  kPipelineOverloadBypassed,  // frames sent without style because the machine cannot keep up
   kPipelineWallClockSteps,    // the wall clock was set
   kPipelineLongestCycleUs,    // the longest cycle of the last second, in microseconds
   kPipelineEventsDropped,     // log messages dropped because their ring was full

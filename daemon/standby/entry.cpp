@@ -112,6 +112,7 @@ void Write(const source::SourceFrame& frame, const Outcome& outcome, v1::Handled
   entry.set_published(outcome.published);
   entry.set_styled_crc(outcome.styled_crc);
   *entry.mutable_rounded_pose() = Text(outcome.rounded_pose);
+  entry.set_relieved(outcome.relieved);
 }
 
 bool Read(const v1::Handled& entry, source::SourceFrame& frame, Outcome& outcome) {
@@ -137,8 +138,12 @@ bool Read(const v1::Handled& entry, source::SourceFrame& frame, Outcome& outcome
   frame.face = Bytes(entry.face());
   frame.props = Bytes(entry.props());
   frame.scene_props = entry.scene_props();
-  outcome = {entry.fate(), entry.late(), entry.published(), entry.styled_crc(),
-             Bytes(entry.rounded_pose())};
+  outcome = {entry.fate(),
+             entry.late(),
+             entry.published(),
+             entry.styled_crc(),
+             Bytes(entry.rounded_pose()),
+             entry.relieved()};
   return true;
 }
 

@@ -35,6 +35,7 @@ struct Outcome {
   std::uint32_t styled_crc = 0;  // of the styled pose on the canonical body
   // The bytes of that pose's RoundedPose, little-endian; a view, empty: there is no pose.
   std::span<const std::byte> rounded_pose;
+  bool relieved = false;  // without style, because the machine cannot keep up
 };
 
 // How a daemon's outcome of a frame compares with the leader's.

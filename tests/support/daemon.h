@@ -20,8 +20,8 @@ namespace styled::support {
 class Daemon {
  public:
   // `settings` as for --set: "performers.stale_ms=100". By default the time limits are so wide that
-  // a busy machine makes no frame late and no sender stale. `extra` is TOML for the configuration
-  // file. `weights`: a file to use instead of random weights, if not empty.
+  // a busy machine makes no frame late, no sender stale and no style fade out. `extra` is TOML for
+  // the configuration file. `weights`: a file to use instead of random weights, if not empty.
   explicit Daemon(std::vector<std::string> settings = {}, const std::string& extra = "",
                   const std::map<std::string, std::string>& environment = {},
                   const std::string& weights = "");

@@ -321,6 +321,9 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
         notes += (notes.empty() ? "" : ", ") + look;
       }
       const bool refused = !performer.live() && !performer.refused_as().empty();
+      if (performer.overload_bypass()) {
+        notes += std::string(notes.empty() ? "" : ", ") + "overload: style faded out";
+      }
       if (!performer.refused_as().empty()) {
         notes += std::string(notes.empty() ? "" : ", ") + "refused: " + performer.refused_as();
       }
@@ -455,6 +458,8 @@ json StatusJson(const v1::StatusReply& status) {
              {"latency_p99_overall_us", performer.latency_p99_overall_us()},
              {"period_ms", performer.period_ms()},
              {"over_budget", performer.over_budget()},
+             {"overload_bypass", performer.overload_bypass()},
+             {"overload_bypassed", performer.overload_bypassed()},
              {"received", performer.received()},
              {"published", performer.published()},
              {"lost", performer.lost()},

@@ -56,6 +56,12 @@ void Performer::UseBinding(const RuntimeConfig& config) {
       static_cast<std::size_t>(skeleton.joint_count()), binding_.given().metres_per_unit());
   fingers_ = Fingers(finger_layers_, *binding_.body().binding);
   (void)ApplyLook(config);
+  styling_->Relieve(relieved_);
+}
+
+void Performer::Relieve(bool relieved) noexcept {
+  relieved_ = relieved;
+  if (styling_) styling_->Relieve(relieved);
 }
 
 std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
@@ -145,7 +151,7 @@ void Performer::WatchFacing() noexcept {
 }
 
 void Performer::Prewarm() noexcept {
-  if (styling_) styling_->Prewarm();
+  if (styling_ && !relieved_) styling_->Prewarm();
 }
 
 std::uint32_t Performer::StyledCrc() const noexcept {
@@ -212,6 +218,8 @@ void Performer::Describe(v1::PerformerStats& stats) const {
   admission.Describe(stats);
   stats.set_published(outputs.published());
   latency.Describe(stats);
+  stats.set_overload_bypass(relieved_);
+  stats.set_overload_bypassed(relieved_frames_);
   stats.set_warning(Warning());
   if (stats.warning().empty() && !unknown_styles_.empty()) {
     stats.set_warning("no style \"" + unknown_styles_.front() +

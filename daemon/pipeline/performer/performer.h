@@ -54,6 +54,12 @@ class Performer {
   void Rebuild(const RuntimeConfig& config);
   void Adopt(const RuntimeConfig& config);
 
+  // Leaves the style out from the next frame on because the machine cannot keep up, or brings it
+  // back. The profile's look stays as it is.
+  STYLED_REALTIME void Relieve(bool relieved) noexcept;
+  bool relieved() const { return relieved_; }
+  STYLED_REALTIME void CountRelieved() noexcept { ++relieved_frames_; }
+
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
 
@@ -143,7 +149,9 @@ class Performer {
   std::vector<FingerLayer*> finger_layers_;
   Fingers fingers_;
   std::vector<std::byte> face_;  // what is passed on beside the pose
-  bool repeats_ = false;         // what is serialized is the last pose again
+  bool relieved_ = false;
+  std::uint64_t relieved_frames_ = 0;  // sent while relieved
+  bool repeats_ = false;               // what is serialized is the last pose again
   Facing facing_;
   std::int64_t faced_ns_ = 0;  // source time of the last frame in facing_
   bool backwards_ = false, backwards_logged_ = false;

@@ -10,6 +10,14 @@ namespace styled::pipeline {
 
 using runtime::Counter;
 
+namespace {
+
+// Quick, because frames are late meanwhile; and slower back, where nothing presses.
+constexpr float kReliefFade_s = 0.1F;
+constexpr float kReturnFade_s = 0.5F;
+
+}  // namespace
+
 Styling::Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Counters& counters)
     : binding_(body.binding),
       left_handed_(body.left_handed),
@@ -24,12 +32,26 @@ std::vector<std::string> Styling::ApplyLook(const Profile& profile, const Runtim
   const net::Styles& styles = config.network->model().styles;
   const auto settings = Resolve(profile.look, styles, unknown, profile.id);
   const auto error = stylist::Validate(settings, static_cast<int>(styles.size()));
-  if (error == stylist::SettingsError::kNone) stylist_.Set(settings);
+  if (error == stylist::SettingsError::kNone) {
+    settings_ = settings;
+    if (!relieved_) stylist_.Set(settings);
+  }
   return unknown;
+}
+
+void Styling::Relieve(bool relieved) noexcept {
+  if (relieved_ == relieved) return;
+  relieved_ = relieved;
+  stylist_.Rest(relieved);
+  stylist::Settings settings = settings_;
+  settings.transition_s = relieved ? kReliefFade_s : kReturnFade_s;
+  if (relieved) settings.mix = stylist::Settings().mix;
+  stylist_.Set(settings);
 }
 
 void Styling::Rebuild(const BoundBody& body, const RuntimeConfig& config) {
   stylist_ = stylist::Stylist(config.network, body.binding, config.stylist);
+  stylist_.Rest(relieved_);
   rehearsal_ = stylist::Rehearsal::Shared(config.network, body.binding, config.stylist);
   has_output_ = false;
 }

@@ -29,6 +29,8 @@ class Styling {
   // Applies the look of a profile from the next frame on, as far as the network has its styles;
   // returns the names of those that it lacks.
   std::vector<std::string> ApplyLook(const Profile& profile, const RuntimeConfig& config);
+  // Fades the style out, whatever the look, and then saves the network's time; or back in.
+  STYLED_REALTIME void Relieve(bool relieved) noexcept;
   // After new weights or options: makes a new stylist, without look and output.
   void Rebuild(const BoundBody& body, const RuntimeConfig& config);
   // After a network that shares streams with the last one: goes on with it.
@@ -74,6 +76,8 @@ class Styling {
   std::shared_ptr<const rig::Binding> binding_;
   bool left_handed_;
   runtime::Counters& counters_;
+  stylist::Settings settings_;  // of the look
+  bool relieved_ = false;
   stylist::Stylist stylist_;
   std::shared_ptr<stylist::Rehearsal> rehearsal_;  // of the stylist, before a frame is due
   rig::RigPose in_;

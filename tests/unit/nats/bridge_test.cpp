@@ -37,6 +37,7 @@ TEST(NatsBridge, KeepsOfAPerformerWhatLasts) {
   later.set_latency_p99_overall_us(3);
   later.set_period_ms(8);
   later.set_over_budget(3);
+  later.set_overload_bypassed(3);
   later.set_received(120);
   later.set_published(120);
   later.set_lost(1);

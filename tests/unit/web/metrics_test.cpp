@@ -25,6 +25,7 @@ v1::Stats Example() {
     performer.set_latency_p50_us(42);
     performer.set_latency_p99_minute_us(9000);
     performer.set_over_budget(17);
+    performer.set_overload_bypass(name == std::string("rig.a"));
     performer.set_live(true);
     if (name == std::string("rig.a")) performer.mutable_shown()->set_right_arm(0.25F);
     v1::LayerStats& layer = *performer.add_layers();
@@ -82,6 +83,8 @@ TEST(MetricsTest, EveryLineIsWhatPrometheusReads) {
   EXPECT_EQ(values["styled_performer_latency_seconds{performer=\"rig.a\",of=\"p99_minute\"}"],
             "0.009");
   EXPECT_EQ(values["styled_performer_over_budget_total{performer=\"rig.a\"}"], "17");
+  EXPECT_EQ(values["styled_performer_overload_bypass{performer=\"rig.a\"}"], "1");
+  EXPECT_EQ(values["styled_performer_overload_bypass{performer=\"rig.b\"}"], "0");
   EXPECT_EQ(values["styled_performer_shown_ratio{performer=\"rig.a\",limb=\"right-arm\"}"], "0.25");
   EXPECT_EQ(values["styled_performer_turned_degrees{performer=\"rig.a\"}"], "8.25");
   EXPECT_EQ(values["styled_clock_locked"], "1");
