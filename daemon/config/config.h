@@ -98,6 +98,7 @@ struct Publish {
   int high_water_mark = 64;
   int send_buffer_bytes = 65536;
   int max_subscriptions = 1024;
+  bool canary = true;
   friend bool operator==(const Publish&, const Publish&) = default;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 
+#include "daemon/publish/watch.h"
 #include "daemon/runtime/zmq_socket.h"
 #include "daemon/security/ipc.h"
 
@@ -13,8 +14,9 @@ using runtime::Counter;
 class ZmqPublisher final : public Publisher {
  public:
   // `access` may be null.
-  ZmqPublisher(runtime::ZmqSocket socket, security::Access* access, runtime::Counters& counters)
-      : socket_(std::move(socket)), access_(access), counters_(counters) {
+  ZmqPublisher(runtime::ZmqSocket socket, security::Access* access, runtime::Counters& counters,
+               std::unique_ptr<Watch> watch)
+      : socket_(std::move(socket)), access_(access), counters_(counters), watch_(std::move(watch)) {
     zmq_msg_init(&message_);
   }
   ~ZmqPublisher() override { zmq_msg_close(&message_); }
@@ -26,6 +28,7 @@ class ZmqPublisher final : public Publisher {
       return;
     }
     counters_.Add(Counter::kPublishMessages);
+    if (watch_->canary() != nullptr) watch_->canary()->NoteSent(topic);
   }
 
   bool NextSubscription(SubscriptionEvent& event) override {
@@ -59,6 +62,7 @@ class ZmqPublisher final : public Publisher {
   runtime::ZmqSocket socket_;
   security::Access* access_;
   runtime::Counters& counters_;
+  std::unique_ptr<Watch> watch_;
   zmq_msg_t message_;
 };
 
@@ -84,10 +88,17 @@ Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config:
     const Status status = keeper->Guard(socket, security::Door::kPublish);
     if (!status.ok()) return status;
   }
+  std::unique_ptr<Canary> canary;
+  if (config.canary) {
+    auto opened = Canary::Open(context, socket, config.high_water_mark);
+    if (!opened.ok()) return opened.status();
+    canary = std::move(opened.value());
+  }
   const Status status = socket.Bind(config.address, "publish.address", endpoint, ipc.value());
   if (!status.ok()) return status;
   return std::unique_ptr<Publisher>(std::make_unique<ZmqPublisher>(
-      std::move(socket), keeper == nullptr ? nullptr : &keeper->access(), counters));
+      std::move(socket), keeper == nullptr ? nullptr : &keeper->access(), counters,
+      std::make_unique<Watch>(std::move(canary), config.high_water_mark, endpoint, counters)));
 }
 
 }  // namespace styled::publish

@@ -98,6 +98,10 @@ enum class Counter : std::uint8_t {
   kPublishSubscriptions,         // the present number of distinct subscriptions
   kPublishSubscriptionsRefused,  // over max_subscriptions, or of a topic that is never published
   kPublishBadMessages,           // messages from subscribers that are not subscriptions
+  kPublishCanaryReceived,        // messages that the daemon's own subscriber received
+  kPublishCanaryMissed,          // messages that it missed
+  kPublishStalled,     // subscribers found to have stopped reading, again after each recovery
+  kPublishStalledNow,  // the present number of those
   kControlRequests,
   kControlOsc,
   kControlRefused,  // requests answered with any code but CODE_OK; includes the next three

@@ -55,6 +55,11 @@ TEST(SubscribersTest, OneThatNeverReadsHarmsNobody) {
     ASSERT_EQ(frames[i].sequence(), frames[i - 1].sequence() + 1);
   }
   EXPECT_EQ(control.Counter("publish.failed"), 0U);
+  // libzmq says nothing of what it drops; the kernel shows who takes nothing.
+  EXPECT_EQ(control.CounterSoon("publish.stalled_now", 1), 1U);
+  EXPECT_EQ(control.Counter("publish.subscribers_stalled"), 1U);
+  EXPECT_NE(daemon.Log().find(" has stopped reading"), std::string::npos) << daemon.Log();
+  EXPECT_GT(control.Counter("publish.canary_received"), 600U) << "it reads what others asked for";
 }
 
 TEST(SubscribersTest, TwoLateOnesToOneTopicBothGetTheBodyAtOnce) {
