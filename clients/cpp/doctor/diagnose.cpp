@@ -7,16 +7,13 @@
 #include "clients/cpp/doctor/examination.h"
 
 namespace styled::doctor {
-namespace {
 
-std::uint64_t ValueOf(const v1::StatusReply& status, const std::string& name) {
-  for (const auto& counter : status.stats().counters()) {
-    if (counter.name() == name) return counter.value();
+std::uint64_t ValueOf(const v1::StatusReply& status, const std::string& counter) {
+  for (const auto& row : status.stats().counters()) {
+    if (row.name() == counter) return row.value();
   }
   return 0;
 }
-
-}  // namespace
 
 std::uint64_t Facts::Grown(const std::string& counter) const {
   if (!daemon_answers()) return 0;
@@ -59,6 +56,7 @@ std::vector<Finding> Examination::Run() {
   Clock();
   Standby();
   Losses();
+  Counters();
   Listeners();
   std::ranges::stable_sort(findings_, {}, &Finding::severity);
   return std::move(findings_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clients/cpp/doctor/diagnose.h"
@@ -59,6 +60,12 @@ class Examination {
   void Performers();
   bool RefusesPerformers(const SourceFacts& source) const;  // if so, Performers() reports it
 
+  // diagnose_counters.cpp
+  void Counters();
+  void Lateness();
+  void Recording();
+  bool Said(std::string_view code) const;  // a finding of that code is there
+
   // diagnose_natnet.cpp
   void NatNet(const SourceFacts& source);
   void Unasked(const SourceFacts& source);
@@ -90,6 +97,9 @@ class Examination {
   std::vector<Finding> findings_;
   std::vector<const Flow*> explained_;  // flows that a finding has already explained
 };
+
+// A counter of the daemon; 0 where it has none of that name.
+std::uint64_t ValueOf(const v1::StatusReply& status, const std::string& counter);
 
 // "0.0.0.0:9763/udp".
 std::string PlaceOf(const Wanted& wanted);

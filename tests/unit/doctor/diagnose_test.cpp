@@ -1,4 +1,5 @@
 // Steps daemon, port, arrival and subscribers.
+#include "clients/cpp/doctor/counter_words.h"
 #include "tests/unit/doctor/facts.h"
 
 namespace styled::doctor::testing {
@@ -237,6 +238,60 @@ TEST_F(DiagnoseTest, OfDropsTheKernelTellsTheSource) {
   machine_.Grow("source.kernel_dropped", 38);
   EXPECT_EQ(machine_.Codes(), "warning kernel_drops suit");
   EXPECT_NE(machine_.First().what.find("40 datagrams for suit"), std::string::npos);
+}
+
+TEST_F(DiagnoseTest, WhatNoStepExplainsIsToldInTheManualsWords) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Grow("stylist.fading", 200);  // of no trouble
+  machine_.Grow("state.writes_failed", 3);
+  machine_.Grow("pipeline.reordered", 2);
+  machine_.Grow("a.counter_of_a_newer_daemon", 2);
+  EXPECT_EQ(machine_.Codes(), "warning counter_grew; note counter_grew");
+  EXPECT_EQ(machine_.First().what,
+            "state.writes_failed grew by 3: settings that could not be written.");
+  EXPECT_EQ(machine_.First().change, "the log gives the reason: disk full, permissions.");
+}
+
+TEST_F(DiagnoseTest, TheManualHasWordsForCountersWithoutItsMarks) {
+  const CounterWords words = WordsOf("pipeline.duplicate");
+  EXPECT_TRUE(words.known && words.trouble);
+  EXPECT_FALSE(words.always);
+  EXPECT_EQ(words.meaning, "a sequence number received before")
+      << "the counters' table, not status's";
+  EXPECT_EQ(WordsOf("stylist.failed").change,
+            "record it ([record]) and report it; try other weights");
+  EXPECT_FALSE(WordsOf("stylist.steps").trouble);
+  EXPECT_FALSE(WordsOf("pipeline.invented").known);
+}
+
+TEST_F(DiagnoseTest, FramesThatLeaveTooLateAndStylesThatFadeForThemAreWarnedOf) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Grow("pipeline.over_budget_frames", 30);
+  machine_.Grow("pipeline.overload_bypassed_frames", 90);
+  auto& anna = *machine_.facts.daemon.after.mutable_stats()->mutable_performers(0);
+  anna.set_over_budget(30);
+  EXPECT_EQ(machine_.Codes(), "warning over_budget; warning counter_grew");
+  EXPECT_NE(machine_.First().what.find(": suit.anna 30."), std::string::npos);
+  anna.set_overload_bypass(true);
+  EXPECT_EQ(machine_.Codes(), "warning over_budget; warning overload");
+}
+
+TEST_F(DiagnoseTest, ARecordingThatLacksRecordsOrDoesNotRunIsWarnedOf) {
+  machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
+  machine_.LivePerformer("suit.anna");
+  machine_.Grow("publish.subscriptions", 1);
+  machine_.Grow("record.failures", 0);
+  machine_.Grow("record.lost", 12);
+  EXPECT_EQ(machine_.Codes(), "warning recording_incomplete");
+  EXPECT_NE(machine_.First().what.find("lacks 12 records"), std::string::npos);
+  machine_.facts.daemon.after.mutable_stats()->mutable_counters(2)->set_value(100);
+  EXPECT_EQ(machine_.Codes(), "warning recording_incomplete") << "it failed, and is not on";
+  machine_.Grow("record.on", 1);
+  EXPECT_EQ(machine_.Codes(), "");
 }
 
 TEST_F(DiagnoseTest, WithoutSubscriberOrStyleThatIsNoted) {
