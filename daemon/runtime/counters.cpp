@@ -25,6 +25,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kSourceMalformed, "source.malformed", true},
     {Counter::kSourceIncomplete, "source.incomplete", true},
     {Counter::kSourceIgnored, "source.ignored"},
+    {Counter::kSourceBeforeRestPose, "source.before_rest_pose", true},
     {Counter::kSourceBadName, "source.bad_name", true},
     {Counter::kSourceKernelDropped, "source.kernel_dropped", true},
     {Counter::kSourceRateLimited, "source.rate_limited", true},

@@ -30,6 +30,7 @@ enum class Counter : std::uint8_t {
   kSourceMalformed,       // not the message that the header announces, or not the rig's protocol
   kSourceIncomplete,      // frames, or samples in several datagrams, of which a part is missing
   kSourceIgnored,         // messages of a rig that carry no pose
+  kSourceBeforeRestPose,  // frames of a rig that has not sent name and rest pose yet
   kSourceBadName,         // performer's name is not [A-Za-z0-9_-]{1,32}
   kSourceKernelDropped,   // datagrams that the kernel dropped because the socket's buffer was full
   kSourceRateLimited,     // datagrams of a sender beyond sender_limit_hz; not in kSourceReceived

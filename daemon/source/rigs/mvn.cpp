@@ -79,6 +79,7 @@ class Character {
   Order Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
   bool Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns, Outbox& out);
   void SayIncomplete(std::int64_t now_ns, Outbox& out);
+  void SayWhatIsMissing(Outbox& out);
   void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
   void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
   // Props are between the body and the fingers.
@@ -213,6 +214,19 @@ void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
   });
 }
 
+// Once a character: it plays without, named after the source, with the bones of its first pose.
+void Character::SayWhatIsMissing(Outbox& out) {
+  out.Note([&] {
+    return "character " + std::to_string(id_) + " sends " +
+           (called_.empty() && !has_scale_ ? "neither name (type 12) nor T-pose (type 13)"
+            : called_.empty()              ? "no name (type 12)"
+                                           : "no T-pose (type 13)") +
+           ", expected both within 1.5 s: it plays as " + stream_->performer() +
+           (has_scale_ ? "" : ", with the bones of its first pose") +
+           ". Switch on character information and scaling in MVN's network streamer";
+  });
+}
+
 void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbox& out) {
   out.LeaveHotSection();
   const bool fingers = header.finger_segments == 2 * kHandSegments;
@@ -255,9 +269,12 @@ void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const
   sent_ = true;
   props_ = header.props;
   if (!stream_) {
-    if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) return;
+    if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) {
+      return out.Refuse(Counter::kSourceBeforeRestPose);
+    }
     out.LeaveHotSection();
     stream_.emplace(performer(*this));
+    if (called_.empty() || !has_scale_) SayWhatIsMissing(out);
   }
   const bool fingers = header.finger_segments == 2 * kHandSegments;
   if (!stream_->has_body() || header.type != type_ ||

@@ -155,9 +155,15 @@ TEST(MvnTranslator, TakesTheSkeletonFromThePoseWhereNoTPoseComes) {
   Translated got(MakeMvn(Config()));
   Sender sender;
   got.Take(sender.Pose());
+  EXPECT_EQ(got.Count(Counter::kSourceBeforeRestPose), 1U) << "withheld, and counted";
+  EXPECT_TRUE(got.notes.empty());
   got.now_ns += 2 * kSecond_ns;
   got.Take(sender.Pose());
   ASSERT_EQ(got.items.size(), 2U);
+  ASSERT_EQ(got.notes.size(), 1U);
+  EXPECT_NE(got.notes[0].find("neither name (type 12) nor T-pose (type 13)"), std::string::npos);
+  EXPECT_NE(got.notes[0].find("plays as stage, with the bones of its first pose"),
+            std::string::npos);
   EXPECT_EQ(got.items[0].body.performer(), "stage") << "the source's name, where none is told";
   EXPECT_FLOAT_EQ(got.items[0].body.offsets(3 * 13 + 1), 0.1F);
   // Told after the fact: another body, announced before the frames that belong to it.
