@@ -35,10 +35,6 @@ namespace {
 
 constexpr int kTick_ms = 200;
 
-std::string StateFile(const config::Config& config) {
-  return config.state.dir.empty() ? "" : config.state.dir + "/performers.toml";
-}
-
 // Whether the two daemons of [standby] show each other their keys.
 bool AsksPeer(const config::Config& config) {
   return !config.standby.peer.empty() && !config.standby.peer_key.empty() &&
@@ -56,16 +52,16 @@ std::string ReadText(const std::string& file, std::size_t max_bytes) {
 Supervisor::Supervisor(config::Config config, Origin origin)
     : config_(std::move(config)),
       origin_(std::move(origin)),
-      watchdog_(notifier_, runtime::WatchdogAsked(std::getenv("WATCHDOG_USEC"),
-                                                  std::getenv("WATCHDOG_PID"), getpid())),
       context_(zmq_ctx_new()),
       epoch_(RandomId() | 1U) {}
 
 Supervisor::~Supervisor() {
+  sign_of_life_.reset();
   if (pipeline_loop_ != nullptr) pipeline_loop_->Stop();
   if (control_ != nullptr) control_->Stop();
   if (pipeline_thread_.joinable()) pipeline_thread_.join();
   if (control_thread_.joinable()) control_thread_.join();
+  files_.reset();
   pipeline_.reset();
   standby_.reset();
   publisher_.reset();
@@ -116,6 +112,7 @@ Status Supervisor::Start() {
     spdlog::info("styled {} ready: weights {}, publishing on {}, control on {}", STYLED_VERSION,
                  runtime_config_->weights_name, publish_endpoint_, control_endpoint_);
     notifier_.Ready("ready");
+    StartSignOfLife();
   }
   return status;
 }
@@ -210,7 +207,7 @@ void Supervisor::StartRecording() {
   for (const auto& set : origin_.overrides) {
     about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
   }
-  about.state = ReadText(StateFile(config_), pipeline::kMaxStateBytes);
+  about.state = ReadText(Origin::StateFile(config_), pipeline::kMaxStateBytes);
   const auto files = pipeline::FindWeightsFiles(config_.model);
   if (files.ok()) {
     const auto label = pipeline::LabelOf(config_.model, files.value());
@@ -227,26 +224,20 @@ void Supervisor::StartRecording() {
   }
   recorder_ = std::move(recorder.value());
   spdlog::info("recording to {}", recorder_->file().string());
-  CheckRecording();
-}
-
-void Supervisor::CheckRecording() {
-  if (recorder_ == nullptr) return;
-  const std::string complaint = recorder_->Check(counters_);
-  if (!complaint.empty()) spdlog::error("recording: {}", complaint);
 }
 
 void Supervisor::CloseRecording() {
   if (recorder_ == nullptr) return;
   recorder_->Close();
-  CheckRecording();
+  const std::string complaint = recorder_->Check(counters_);
+  if (!complaint.empty()) spdlog::error("recording: {}", complaint);
   spdlog::info("recorded {} records to {}, {} lost", recorder_->written(),
                recorder_->file().string(), recorder_->lost());
 }
 
 // A broken state file is logged and does not keep the daemon from starting.
 void Supervisor::RestoreProfiles() {
-  const std::string file = StateFile(config_);
+  const std::string file = Origin::StateFile(config_);
   if (file.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(config_.state.dir, error);
@@ -279,6 +270,8 @@ void Supervisor::RestoreProfiles() {
 }
 
 void Supervisor::StartThreads() {
+  files_ = std::make_unique<FilesThread>(config_, origin_, runtime_config_, weights_crc_,
+                                         mailboxes_, counters_, clock_, recorder_.get());
   std::vector<int> fds{publisher_->fd()};
   for (const auto& transport : pipeline_->transports()) fds.push_back(transport->fd());
   fds.insert(fds.end(), standby_fds_.begin(), standby_fds_.end());
@@ -297,10 +290,22 @@ void Supervisor::StartThreads() {
     }
     pipeline_loop_->Run();
   });
+  files_->Start();
   control_thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "control");
     control_->Run();
   });
+}
+
+void Supervisor::StartSignOfLife() {
+  const char* const manager = std::getenv("NOTIFY_SOCKET");
+  if (manager != nullptr &&
+      runtime::WatchdogAsked(std::getenv("WATCHDOG_USEC"), std::getenv("WATCHDOG_PID"), getpid())) {
+    // An idle pipeline sleeps: the signal makes it turn once before the next look.
+    sign_of_life_ = std::make_unique<runtime::SignOfLife>(
+        manager, [this] { return pipeline_loop_->turns(); },
+        [this] { mailboxes_.wake_pipeline.Signal(); });
+  }
 }
 
 Status Supervisor::WriteReadyFile() const {
@@ -336,28 +341,18 @@ void Supervisor::Run() {
   const Descriptor signal_fd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
   std::int64_t logged_ns = clock_.Now_ns();
   while (true) {
-    std::array<pollfd, 2> waiting{pollfd{signal_fd.get(), POLLIN, 0},
-                                  pollfd{mailboxes_.wake_supervisor.fd(), POLLIN, 0}};
-    poll(waiting.data(), waiting.size(), kTick_ms);
-    if (waiting[1].revents != 0) mailboxes_.wake_supervisor.Clear();
+    pollfd signal{signal_fd.get(), POLLIN, 0};
+    poll(&signal, 1, kTick_ms);
     signalfd_siginfo caught{};
     while (read(signal_fd.get(), &caught, sizeof caught) == sizeof caught) {
       if (caught.ssi_signo == SIGHUP) {
-        Reload();
+        files_->RequestReload();
         continue;
       }
       spdlog::info("{}: stopping", caught.ssi_signo == SIGTERM ? "SIGTERM" : "SIGINT");
       return Stop();
     }
-    if (watchdog_.asked()) {
-      watchdog_.Look(pipeline_loop_->turns());
-      // An idle pipeline sleeps: the signal makes it turn once before the next look.
-      mailboxes_.wake_pipeline.Signal();
-    }
-    DoStyleRequests();
     LogEvents();
-    KeepProfiles();
-    CheckRecording();
     const std::int64_t passed_ns = clock_.Now_ns() - logged_ns;
     if (passed_ns < runtime::kSecond_ns) continue;
     logged_ns += passed_ns;
@@ -371,82 +366,12 @@ void Supervisor::Stop() {
   pipeline_loop_->Stop();
   pipeline_thread_.join();
   if (standby_ != nullptr) standby_->Leave();
-  KeepProfiles(pipeline_->PopUnsaved());
   LogEvents();
+  const bool ended = files_->Stop(pipeline_->PopUnsaved());
+  if (!ended) spdlog::error("a disk does not answer: the last settings may be lost");
   CloseRecording();
-}
-
-void Supervisor::Reload() {
-  notifier_.Reloading(clock_.Now_ns());
-  const Status status = TakeOver();
-  refused_ = status.ok() ? "" : status.message();
-  if (!status.ok()) {
-    counters_.Add(runtime::Counter::kConfigReloadsRefused);
-    spdlog::error("reload refused, the running configuration stays: {}", refused_);
-  }
-  notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused_);
-}
-
-// Does what requests want of styles, off the real-time thread.
-void Supervisor::DoStyleRequests() {
-  std::unique_ptr<pipeline::Exchange> exchange;
-  while (mailboxes_.examples.Pop(exchange) || mailboxes_.takes.Pop(exchange)) {
-    std::shared_ptr<const pipeline::RuntimeConfig> made;
-    if (mailboxes_.stands_by.load(std::memory_order_relaxed) && !exchange->followed &&
-        record::Changes(exchange->request)) {
-      standby::RefuseOrder(config_.standby.peer, exchange->request, exchange->reply);
-    } else {
-      made = style_requests_.Do(*runtime_config_, *exchange);
-      if (!style_requests_.said().empty()) spdlog::info("{}", style_requests_.said());
-      if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
-      if (made != nullptr) runtime_config_ = made;
-    }
-    pipeline::Reload reload{std::move(made), std::move(exchange)};
-    // A full ring leaves it as it is; it is emptied between frames.
-    while (!mailboxes_.reloads.Push(std::move(reload))) {  // NOLINT(bugprone-use-after-move)
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    mailboxes_.wake_pipeline.Signal();
-  }
-}
-
-Status Supervisor::TakeOver() {
-  auto fresh = config::Load(origin_.file, origin_.overrides);
-  if (!fresh.ok()) return fresh.status();
-  std::uint32_t crc = weights_crc_;
-  auto made = pipeline::MakeRuntimeConfig(fresh.value(), runtime_config_.get(), crc);
-  if (!made.ok()) return made.status();
-  if (!mailboxes_.reloads.Push({made.value(), nullptr})) {
-    return Status::Error("the last reload is still under way");
-  }
-  mailboxes_.wake_pipeline.Signal();
-  WarnOfRestartKeys(fresh.value());
-  runtime_config_ = made.value();
-  for (const auto& complaint : runtime_config_->complaints) spdlog::warn("{}", complaint);
-  weights_crc_ = crc;
-  config_.log = fresh.value().log;
-  config_.presets = fresh.value().presets;
-  spdlog::set_level(spdlog::level::from_str(config_.log.level));
-  counters_.Add(runtime::Counter::kConfigReloads);
-  spdlog::info("reloaded: weights {}, {} presets", runtime_config_->weights_name,
-               runtime_config_->presets.size());
-  return Status::Ok();
-}
-
-void Supervisor::WarnOfRestartKeys(const config::Config& fresh) const {
-  const auto warn = [](const char* section) {
-    spdlog::warn("reload: [{}] changed; it takes a restart", section);
-  };
-  if (fresh.sources != config_.sources) warn("source");
-  if (!(fresh.publish == config_.publish)) warn("publish");
-  if (!(fresh.control == config_.control)) warn("control");
-  if (!(fresh.security == config_.security)) warn("security");
-  if (!(fresh.osc == config_.osc)) warn("osc");
-  if (!(fresh.standby == config_.standby)) warn("standby");
-  if (!(fresh.time == config_.time)) warn("time");
-  if (!(fresh.realtime == config_.realtime)) warn("realtime");
-  if (fresh.state.dir != config_.state.dir) warn("state");
-  if (!(fresh.record == config_.record)) warn("record");
+  // A thread that waits for the kernel cannot be ended, and what it uses cannot be destroyed.
+  if (!ended) std::_Exit(EXIT_FAILURE);
 }
 
 void Supervisor::LogEvents() {
@@ -493,22 +418,11 @@ void Supervisor::SayHowItGoes(double seconds) {
                                  counters_.Get(runtime::Counter::kPipelinePerformers),
                                  static_cast<double>(frames - frames_said_) / seconds,
                                  publish_endpoint_, control_endpoint_);
-  if (!refused_.empty()) line += "; the last reload was refused: " + refused_;
+  if (const std::string refused = files_->refused(); !refused.empty()) {
+    line += "; the last reload was refused: " + refused;
+  }
   frames_said_ = frames;
   notifier_.Say(line);
-}
-
-void Supervisor::KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest) {
-  std::unique_ptr<std::vector<pipeline::Profile>> kept;
-  while (mailboxes_.profiles.Pop(kept)) {
-  }
-  if (newest != nullptr) kept = std::move(newest);
-  const std::string file = StateFile(config_);
-  if (kept == nullptr || file.empty()) return;
-  const Status status = pipeline::WriteProfiles(file, *kept);
-  counters_.Add(status.ok() ? runtime::Counter::kStateWrites
-                            : runtime::Counter::kStateWritesFailed);
-  if (!status.ok()) spdlog::error("settings are not kept: {}", status.message());
 }
 
 }  // namespace styled

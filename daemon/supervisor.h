@@ -9,32 +9,28 @@
 
 #include "daemon/config/config.h"
 #include "daemon/control/control_socket.h"
+#include "daemon/files_thread.h"
+#include "daemon/origin.h"
 #include "daemon/pipeline/mailboxes.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/pipeline_thread.h"
 #include "daemon/pipeline/runtime_config.h"
-#include "daemon/pipeline/style_requests.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/notify.h"
+#include "daemon/runtime/sign_of_life.h"
 #include "daemon/security/gatekeeper.h"
 #include "daemon/standby/standby.h"
 
 namespace styled {
 
-// Where the configuration came from, so that SIGHUP can read it again.
-struct Origin {
-  std::string file;  // "" = none
-  std::vector<config::Override> overrides;
-  std::string ready_file;  // "" = none
-};
-
-// Assembles the daemon and supervises it on the main thread: signals, reloads, the state file, the
-// log. The other threads are the pipeline, control, security (with keys only), the recording's
-// writer (while recording), one per USB source, and ZeroMQ's own.
+// Assembles the daemon and supervises it on the main thread: signals and the log. The other threads
+// are the pipeline, control, files, the sign of life (where the service manager asks for it),
+// security (with keys only), the recording's writer (while recording), one per USB source, and
+// ZeroMQ's own.
 class Supervisor {
  public:
   Supervisor(config::Config config, Origin origin);
@@ -45,7 +41,7 @@ class Supervisor {
   // Opens everything and reports READY to the service manager. Errors: weights, addresses, keys,
   // the ready file. SIGTERM, SIGINT and SIGHUP must be blocked in the process.
   Status Start();
-  // Runs until SIGTERM or SIGINT. Feeds the service manager's watchdog while the pipeline turns.
+  // Runs until SIGTERM or SIGINT.
   void Run();
 
  private:
@@ -55,22 +51,16 @@ class Supervisor {
   Status OpenSockets();
   Status OpenStandby();
   void StartRecording();
-  void CheckRecording();
   void CloseRecording();
   void RestoreProfiles();
   void StartThreads();
+  void StartSignOfLife();
   Status WriteReadyFile() const;
   void Stop();
-  void Reload();
-  void DoStyleRequests();
-  Status TakeOver();
   void LogEvents();
   void LogTrouble();
   std::string NamesOf(std::uint64_t sources) const;
   void SayHowItGoes(double seconds);
-  // `newest` replaces what the mailbox holds: profiles that found it full.
-  void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);
-  void WarnOfRestartKeys(const config::Config& fresh) const;
 
   config::Config config_;
   Origin origin_;
@@ -79,13 +69,10 @@ class Supervisor {
   runtime::ClockWatch clock_watch_{config_.time.ptp4l};
   runtime::Counters counters_;
   runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
-  runtime::Watchdog watchdog_;
-  std::string refused_;  // reason why the last reload was refused; "" = it was accepted
   pipeline::Mailboxes mailboxes_;
   void* context_;
   std::uint64_t epoch_;
   std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
-  pipeline::StyleRequests style_requests_;
   std::uint32_t weights_crc_ = 0;
   std::vector<int> standby_fds_;
   std::string standby_endpoint_, publish_endpoint_, osc_endpoint_, control_endpoint_;
@@ -98,6 +85,8 @@ class Supervisor {
   std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
+  std::unique_ptr<FilesThread> files_;
+  std::unique_ptr<runtime::SignOfLife> sign_of_life_;  // null: nobody asks for it
   std::thread pipeline_thread_, control_thread_;
   std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> logged_{};
   std::uint64_t frames_said_ = 0;

@@ -162,7 +162,7 @@ bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
     if (!mailboxes_.examples.Push(std::move(exchange))) {
       return Busy(*exchange, "too many examples are waiting; try again");
     }
-    mailboxes_.wake_supervisor.Signal();
+    mailboxes_.wake_files.Signal();
   } else {
     mailboxes_.commands.Push(std::move(exchange));  // never full: it holds more than kMaxInFlight
     mailboxes_.wake_pipeline.Signal();

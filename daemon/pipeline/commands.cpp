@@ -56,7 +56,7 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
     case v1::Request::kTakeCheckpoint:
     case v1::Request::kRestoreCheckpoint:
     case v1::Request::kLead:
-    case v1::Request::kLike:  // these by the supervisor
+    case v1::Request::kLike:  // these by the files thread
     case v1::Request::kPreview:
     case v1::Request::kExportStyle:
     case v1::Request::kImportStyle:

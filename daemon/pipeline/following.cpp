@@ -206,7 +206,7 @@ void Pipeline::Import(const std::string& style) {
   FollowStyles(std::move(request));
 }
 
-// What the leader did to styles, for the supervisor.
+// What the leader did to styles, for the files thread.
 void Pipeline::FollowStyles(v1::Request request) {
   if (style_requests_.size() >= kMostStyleRequests) {
     return to_.standby->Failed("more than " + std::to_string(kMostStyleRequests) +
@@ -226,11 +226,11 @@ void Pipeline::PassOnStyles() {
     }
     style_requests_.pop_front();
     ++followed_;
-    to_.mailboxes.wake_supervisor.Signal();
+    to_.mailboxes.wake_files.Signal();
   }
 }
 
-// The supervisor did one of them, or could not. Once all are done, everything is fetched again; at
+// The files thread did one of them, or could not. Once all are done, everything is fetched again; at
 // once only if it can succeed.
 void Pipeline::StylesFollowed(const Exchange& exchange) {
   --followed_;

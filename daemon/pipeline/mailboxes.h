@@ -34,7 +34,7 @@ struct Event {
   std::string text;
 };
 
-// What the supervisor hands to the pipeline: a configuration to take over, or a request whose work
+// What the files thread hands to the pipeline: a configuration to take over, or a request whose work
 // it did, or both. The request is answered under the configuration.
 struct Reload {
   std::shared_ptr<const RuntimeConfig> config;
@@ -45,15 +45,15 @@ struct Reload {
 struct Mailboxes {
   runtime::Ring<std::unique_ptr<Exchange>, 64> commands;  // control -> pipeline
   runtime::Ring<std::unique_ptr<Exchange>, 64> replies;   // pipeline -> control
-  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;  // control -> supervisor (style_requests.h)
-  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;     // pipeline -> supervisor
-  runtime::Ring<Reload, 4> reloads;                      // supervisor -> pipeline
+  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;  // control -> files (style_requests.h)
+  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;     // pipeline -> files
+  runtime::Ring<Reload, 4> reloads;                      // files -> pipeline
   runtime::Ring<Event, 256> events;                      // pipeline -> supervisor
   runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>
-      profiles;  // pipeline -> supervisor: to keep
+      profiles;  // pipeline -> files: to keep
   // This daemon is another one's standby: it takes no orders. Set by the pipeline.
   std::atomic<bool> stands_by{false};
-  runtime::Wakeup wake_pipeline, wake_control, wake_supervisor;
+  runtime::Wakeup wake_pipeline, wake_control, wake_files;
 };
 
 }  // namespace styled::pipeline

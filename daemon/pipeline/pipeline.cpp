@@ -11,7 +11,8 @@ using runtime::Counter;
 using runtime::Nanoseconds;
 
 constexpr int kSubscriptionsPerCycle = 16;
-constexpr int kCommandsPerCycle = 8;
+// One: frames that wait are handled between two requests, however many an operator sends.
+constexpr int kCommandsPerCycle = 1;
 
 }  // namespace
 
@@ -93,7 +94,7 @@ int Pipeline::DoTakes(std::int64_t now_ns) {
     if (exchange->reply.code() != v1::CODE_OK) {
       Return(std::move(exchange));
     } else if (to_.mailboxes.takes.Push(std::move(exchange))) {
-      to_.mailboxes.wake_supervisor.Signal();
+      to_.mailboxes.wake_files.Signal();
     } else {
       exchange->reply.set_code(v1::CODE_BUSY);
       exchange->reply.set_reason("like: too many examples are waiting; try again");

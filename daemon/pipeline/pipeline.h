@@ -198,7 +198,7 @@ class Pipeline final : public Worker, public source::Receiver {
   bool feeds_ = false;  // what was held is handled: no frame of it is passed over
   v1::Silence silence_;
   std::vector<v1::Setting> source_settings_;  // of the [[source]] tables, for the other daemon
-  // What the leader did to styles and the supervisor repeats: what waits for room in the mailbox;
+  // What the leader did to styles and the files thread repeats: what waits for room in the mailbox;
   // how much is in it; styles of the leader's among both; whether one failed since all was done.
   std::deque<v1::Request> style_requests_;
   int followed_ = 0;

@@ -13,7 +13,7 @@ namespace styled::pipeline {
 // Small moving figures of styles (v1::PreviewReply): two strides of the built-in performer's
 // walk in a style. They loop: the first frames fade over from those behind the last. Each is
 // computed once, in some 30 ms, and kept until its style is another or the weights are. The
-// supervisor's thread; allocates. Pinned by tests/e2e/style_library_test.cpp.
+// files thread; allocates. Pinned by tests/e2e/style_library_test.cpp.
 class Previews {
  public:
   // Answers for a style by its name or alias. CODE_UNKNOWN_STYLE: there is none.

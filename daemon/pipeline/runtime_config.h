@@ -18,7 +18,7 @@
 namespace styled::pipeline {
 
 // Everything that a reload may change: the configuration and the content of its files. The
-// supervisor makes it; it is immutable and shared with the pipeline thread.
+// supervisor or the files thread makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
   int own_styles = 0;             // of the weights files; those behind it were added (placing.h)

@@ -9,11 +9,11 @@
 // The requests whose work is not the pipeline's: to make, exchange, rename, remove and show styles.
 namespace styled::pipeline {
 
-// Whether the request goes to the supervisor first. Like.learn_s does not: the pipeline passes it
+// Whether the request goes to the files thread first. Like.learn_s does not: the pipeline passes it
 // on once the performer has shown the style.
 bool IsStyleRequest(const v1::Request& request);
 
-// Does these requests, in the order in which they come, on the supervisor's thread: reads clips,
+// Does these requests, in the order in which they come, on the files thread: reads clips,
 // writes the library, computes. Blocks; allocates. Pinned by tests/e2e/style_library_test.cpp.
 class StyleRequests {
  public:

@@ -46,7 +46,7 @@ class Recorder {
   void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply);
   void OnNote(std::int64_t now_ns, std::string_view text) noexcept;
 
-  // Supervisor thread, a few times a second. Checks the disk, sets the counters record.*, and
+  // Files thread, a few times a second. Checks the disk, sets the counters record.*, and
   // returns a line for the log when a new problem appeared, else "".
   std::string Check(runtime::Counters& counters);
 
@@ -71,7 +71,7 @@ class Recorder {
   std::unique_ptr<recording::RecordingThread> thread_;
   std::atomic<bool> paused_{false};  // the disk is too full
   std::atomic<std::uint64_t> skipped_{0};
-  std::string said_;  // the last complaint; supervisor thread
+  std::string said_;  // the last complaint; files thread
 };
 
 // The file name that record.file gives at time `unix_s`: strftime's conversions are replaced, in

@@ -64,14 +64,4 @@ void Notifier::Send(const std::string& message, int flags) {
              reinterpret_cast<const sockaddr*>(&to), length);
 }
 
-void Watchdog::Look(std::uint64_t turns) {
-  if (asked_ && turns != seen_) notifier_.Alive();
-  seen_ = turns;
-}
-
-bool WatchdogAsked(const char* usec, const char* watchdog_pid, int pid) {
-  if (usec == nullptr || std::atoll(usec) <= 0) return false;
-  return watchdog_pid == nullptr || std::atoll(watchdog_pid) == pid;
-}
-
 }  // namespace styled::runtime

@@ -35,25 +35,4 @@ class Notifier {
   Descriptor socket_;
 };
 
-// Feeds the manager's watchdog on behalf of another thread. That thread increments a number each
-// time its loop turns; the watchdog is fed only when the number has changed since the last call of
-// Look(). A hung thread therefore leads to a restart of the process even when the caller of Look()
-// is well.
-class Watchdog {
- public:
-  // `asked`: the manager has a watchdog. `notifier` must outlive this object.
-  Watchdog(Notifier& notifier, bool asked) : notifier_(notifier), asked_(asked) {}
-  bool asked() const { return asked_; }
-  void Look(std::uint64_t turns);
-
- private:
-  Notifier& notifier_;
-  bool asked_;
-  std::uint64_t seen_ = 0;
-};
-
-// Whether $WATCHDOG_USEC and $WATCHDOG_PID (null when unset) require process `pid` to feed a
-// watchdog.
-bool WatchdogAsked(const char* usec, const char* watchdog_pid, int pid);
-
 }  // namespace styled::runtime

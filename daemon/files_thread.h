@@ -1,0 +1,85 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/origin.h"
+#include "daemon/pipeline/mailboxes.h"
+#include "daemon/pipeline/runtime_config.h"
+#include "daemon/pipeline/style_requests.h"
+#include "daemon/record/recorder.h"
+#include "daemon/runtime/clock.h"
+#include "daemon/runtime/counters.h"
+#include "daemon/runtime/notify.h"
+
+namespace styled {
+
+// The thread for everything that may take long: reloads, styles of examples, the library, the state
+// file, the free space of a recording's disk. It does one piece of work a turn, so a stream of one
+// kind does not keep the others away. Signals, the log and the sign of life are on other threads.
+// Pinned by tests/hostile and tests/e2e/service.
+class FilesThread {
+ public:
+  // All references must outlive it; so must `recorder` (null: nothing is recorded). `running` is
+  // the configuration that the pipeline has, `weights_crc` that of its weights.
+  FilesThread(const config::Config& config, const Origin& origin,
+              std::shared_ptr<const pipeline::RuntimeConfig> running, std::uint32_t weights_crc,
+              pipeline::Mailboxes& mailboxes, runtime::Counters& counters,
+              const runtime::Clock& clock, record::Recorder* recorder);
+  ~FilesThread();
+  FilesThread(const FilesThread&) = delete;
+  FilesThread& operator=(const FilesThread&) = delete;
+
+  void Start();
+  // Reads the configuration again. Requests during a reload lead to one further reload. Any thread.
+  void RequestReload();
+  // Why the last reload was refused; "": it was accepted, or there was none. Any thread.
+  std::string refused() const;
+
+  // Call once, after the pipeline has ended. Ends the request under way, writes `last` (the newest
+  // settings; null: those of the mailbox), and waits for at most kPatience_s. False: the disk holds
+  // the thread up; the caller must then end the process without destroying this object.
+  bool Stop(std::unique_ptr<std::vector<pipeline::Profile>> last);
+  // Seconds. A disk that wakes up or a network mount that reconnects takes some of them.
+  static constexpr double kPatience_s = 10;
+
+ private:
+  void Run();
+  bool DoTurn();
+  void Reload();
+  Status TakeOver();
+  void WarnOfRestartKeys(const config::Config& fresh) const;
+  void DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange);
+  // `newest` replaces what the mailbox holds: profiles that found it full.
+  void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);
+  void CheckRecording();
+  bool Push(pipeline::Reload reload);
+
+  config::Config config_;
+  const Origin& origin_;
+  std::shared_ptr<const pipeline::RuntimeConfig> running_;
+  std::uint32_t weights_crc_;
+  pipeline::Mailboxes& mailboxes_;
+  runtime::Counters& counters_;
+  const runtime::Clock& clock_;
+  record::Recorder* const recorder_;
+  runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
+  pipeline::StyleRequests style_requests_;
+
+  std::atomic<bool> reload_{false}, stop_{false};
+  std::unique_ptr<std::vector<pipeline::Profile>> last_;
+  mutable std::mutex mutex_;  // of the members below
+  std::string refused_;
+  bool ended_ = false;
+  std::condition_variable end_;
+  std::thread thread_;
+};
+
+}  // namespace styled

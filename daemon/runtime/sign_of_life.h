@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "daemon/runtime/notify.h"
+#include "daemon/runtime/wakeup.h"
+
+namespace styled::runtime {
+
+// Feeds the service manager's watchdog from a thread that does nothing else, as long as another
+// thread turns. That thread increments a number each time its loop turns; the manager hears
+// WATCHDOG=1 only when the number has changed since the last look. So a thread that hangs leads to
+// a restart of the process, and no work of any further thread, however long, does. Pinned by
+// tests/unit/daemon/sign_of_life_test.cpp and tests/hostile.
+class SignOfLife {
+ public:
+  // Between two looks, in milliseconds. The manager and tests see a sign of life at least every
+  // second although one look may find that the thread has not turned yet.
+  static constexpr int kLook_ms = 200;
+
+  // `address`: as of Notifier. `turns` gives the number, `wake` makes an idle thread turn; both are
+  // called on this object's thread.
+  SignOfLife(const std::string& address, std::function<std::uint64_t()> turns,
+             std::function<void()> wake);
+  ~SignOfLife();
+  SignOfLife(const SignOfLife&) = delete;
+  SignOfLife& operator=(const SignOfLife&) = delete;
+
+ private:
+  void Run();
+
+  Notifier notifier_;
+  std::function<std::uint64_t()> turns_;
+  std::function<void()> wake_;
+  Wakeup stop_;
+  std::thread thread_;
+};
+
+// Whether $WATCHDOG_USEC and $WATCHDOG_PID (null when unset) require process `pid` to feed a
+// watchdog.
+bool WatchdogAsked(const char* usec, const char* watchdog_pid, int pid);
+
+}  // namespace styled::runtime
