@@ -9,10 +9,37 @@ namespace {
 
 constexpr std::size_t kMinToken = 16, kMaxToken = 256;
 
-std::string_view WithoutPort(std::string_view host) noexcept {
-  const std::size_t colon = host.rfind(':');
-  const bool port = colon != std::string_view::npos && host.find(']', colon) == host.npos;
-  return port ? host.substr(0, colon) : host;
+bool All(std::string_view text, bool (*is)(char)) noexcept {
+  return std::all_of(text.begin(), text.end(), is);
+}
+
+bool IsDigit(char c) noexcept { return c >= '0' && c <= '9'; }
+
+bool IsIpv6(std::string_view name) noexcept {
+  const auto inside = [](char c) {
+    return IsDigit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F') || c == ':' || c == '.';
+  };
+  return name.size() > 4 && name.front() == '[' && name.back() == ']' &&
+         All(name.substr(1, name.size() - 2), inside);
+}
+
+// Digits and dots alone are no name that a site can register: the last label of one has a letter.
+bool IsIpv4(std::string_view name) noexcept {
+  return !name.empty() && IsDigit(name.front()) && IsDigit(name.back()) &&
+         All(name, [](char c) { return IsDigit(c) || c == '.'; });
+}
+
+// The name in a Host, without port and final dot; "" where it is malformed.
+std::string_view NameOf(std::string_view host) noexcept {
+  std::string_view name = host;
+  if (const std::size_t colon = host.rfind(':'); colon != host.npos && !host.ends_with(']')) {
+    constexpr std::size_t kMostDigits = 5;
+    const std::string_view port = host.substr(colon + 1);
+    if (port.size() > kMostDigits || !All(port, IsDigit)) return {};
+    name = host.substr(0, colon);
+  }
+  if (name.ends_with('.')) name.remove_suffix(1);
+  return IsHostName(name) ? name : std::string_view();
 }
 
 // Host names and schemes are case-insensitive (RFC 9110, 4.2.3).
@@ -22,11 +49,18 @@ bool SameName(std::string_view a, std::string_view b) noexcept {
                     [&lower](char x, char y) { return lower(x) == lower(y); });
 }
 
-bool IsLoopbackName(std::string_view host) noexcept {
-  const std::string_view name = WithoutPort(host);
-  if (SameName(name, "localhost") || name == "[::1]") return true;
-  const auto numeric = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
-  return name.starts_with("127.") && std::all_of(name.begin(), name.end(), numeric);
+bool IsLoopbackName(std::string_view name) noexcept {
+  return SameName(name, "localhost") || name == "[::1]" ||
+         (name.starts_with("127.") && IsIpv4(name));
+}
+
+bool IsAllowedHost(const AccessRules& rules, std::string_view host) noexcept {
+  const std::string_view name = NameOf(host);
+  if (name.empty()) return false;
+  if (IsLoopbackName(name)) return true;
+  if (!rules.loopback && (!rules.token.empty() || IsIpv4(name) || IsIpv6(name))) return true;
+  return std::any_of(rules.hosts.begin(), rules.hosts.end(),
+                     [name](const std::string& known) { return SameName(name, known); });
 }
 
 bool IsOurs(const AccessRules& rules, std::string_view origin, std::string_view host) noexcept {
@@ -77,9 +111,17 @@ bool IsTokenCharacter(char c) noexcept {
 
 }  // namespace
 
+bool IsHostName(std::string_view name) noexcept {
+  if (name.starts_with('[')) return IsIpv6(name);
+  return !name.empty() && All(name, [](char c) {
+    return IsDigit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '-' ||
+           c == '_';
+  });
+}
+
 Verdict Judge(const AccessRules& rules, const Credentials& credentials, bool needs_token) noexcept {
   if (credentials.hosts > 1 || credentials.origins > 1) return Verdict::kTwice;
-  if (rules.loopback && !IsLoopbackName(credentials.host)) return Verdict::kHost;
+  if (!IsAllowedHost(rules, credentials.host)) return Verdict::kHost;
   if (!credentials.origin.empty() && !IsOurs(rules, credentials.origin, credentials.host)) {
     return Verdict::kOrigin;
   }
@@ -96,7 +138,8 @@ std::string_view Explain(Verdict verdict) noexcept {
     case Verdict::kTwice:
       return "Host or Origin is there twice; expected each at most once";
     case Verdict::kHost:
-      return "this gateway listens on loopback only: call it localhost or 127.0.0.1";
+      return "this gateway is not known by that name: call it by its address (on its own machine "
+             "localhost), or name it with --host";
     case Verdict::kOrigin:
       return "a page of another site may not connect; allow it with --origin";
     case Verdict::kToken:

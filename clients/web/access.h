@@ -10,13 +10,18 @@
 
 namespace styled::web {
 
-// Which HTTP requests are answered. On a loopback address, only requests whose Host is a loopback
-// name: that defeats a web site whose name was pointed at this machine (DNS rebinding). On every
-// address, a page of another site is refused: the browser sends the page's origin (Origin), which
-// must be the gateway's own or listed. Names are compared case-insensitively.
+// Which HTTP requests are answered. A web site can point its own name at this machine (DNS
+// rebinding); a browser then sends that name as Host. So on a loopback address Host must be a
+// loopback name, on another address without a token a numeric address or a loopback name, and on
+// both a name of `hosts` will do. With a token on another address every name will do: such a site
+// does not have the token. On every address, a page of another site is refused: the browser sends
+// the page's origin (Origin), which must be the gateway's own or listed. Names are compared
+// case-insensitively, and without the dot that may end an absolute name.
 struct AccessRules {
   bool loopback = true;    // the gateway listens on a loopback address
   std::string token = {};  // required if Judge is called with needs_token; "" = none
+  // Names of this machine without a port, e.g. "stage.lan".
+  std::vector<std::string> hosts = {};
   // Origins of other sites whose pages may connect, e.g. "http://stage.lan:5173".
   std::vector<std::string> origins = {};
 };
@@ -30,13 +35,17 @@ struct Credentials {
   std::string_view target = {};         // path and query
 };
 
-// kTwice: a second Host or Origin. With two of them, a proxy in front of the gateway may have
-// checked the other one.
+// kHost: a Host that is malformed, missing or not allowed. kTwice: a second Host or Origin. With
+// two of them, a proxy in front of the gateway may have checked the other one.
 enum class Verdict : std::uint8_t { kAllowed, kTwice, kHost, kOrigin, kToken };
 
 // `needs_token`: true for everything but the page itself, which is public. Any thread; allocates
 // nothing.
 Verdict Judge(const AccessRules& rules, const Credentials& credentials, bool needs_token) noexcept;
+
+// Whether it is a name or address as Host has it, without a port: [::1], 10.0.0.5, stage.lan. Any
+// thread.
+bool IsHostName(std::string_view name) noexcept;
 
 // Text for the body of a refusal: what was expected instead. "" for kAllowed.
 std::string_view Explain(Verdict verdict) noexcept;

@@ -1,10 +1,14 @@
 #include "clients/web/gateway.h"
 
+#include <unistd.h>
+
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <utility>
 
 #include "clients/web/connection.h"
+#include "model/base/text.h"
 
 namespace styled::web {
 namespace {
@@ -57,6 +61,19 @@ Status Gateway::Prepare() {
     access.token = std::move(token.value());
   }
   access.origins = options.origins;
+  for (const std::string& name : options.hosts) {
+    if (!IsHostName(name)) {
+      return Status::Error("--host \"" + Printable(name, 80) +
+                           "\": expected a name or address without a port, as stage.lan");
+    }
+  }
+  access.hosts = options.hosts;
+  // A machine knows itself by its name, and by the one that it has in the local network.
+  std::array<char, 256> own{};
+  if (gethostname(own.data(), own.size() - 1) == 0 && IsHostName(own.data())) {
+    access.hosts.emplace_back(own.data());
+    access.hosts.push_back(std::string(own.data()) + ".local");
+  }
   const std::string folder = options.page.empty() ? FindPage() : options.page;
   if (!folder.empty()) {
     auto loaded = Page::Load(folder);

@@ -30,6 +30,7 @@ struct Options {
   std::string token_file;  // required on addresses other than loopback, unless ...
   bool allow_unauthenticated_remote = false;  // ... this allows access without a token
   std::vector<std::string> origins;           // of pages of other sites that may connect
+  std::vector<std::string> hosts;             // further names of this machine, without a port
   bool watch_only = false;                    // control requests are refused
   // 1 .. 10000. At the limit, the oldest unfinished request is closed; if there is none, the new
   // connection is closed at once.

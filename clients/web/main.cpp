@@ -42,6 +42,11 @@ void Declare(CLI::App& app, Arguments& arguments) {
                  "a page of another site that may connect, e.g. http://stage.lan:5173; again for "
                  "more")
       ->allow_extra_args(false);
+  app.add_option(
+         "--host", o.hosts,
+         "a further name by which browsers may call this machine, e.g. stage.lan; again for "
+         "more; needed where there is no token")
+      ->allow_extra_args(false);
   app.add_flag("--watch-only", o.watch_only, "browsers may not change anything");
   app.add_option(
          "--max-connections", o.max_connections,

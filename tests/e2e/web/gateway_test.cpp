@@ -524,18 +524,24 @@ TEST(GatewayTest, OptionsThatAreWrongAreNamed) {
            {{"--listen", "127.0.0.1:0", "--key", folder / "none"}, "--server-key"},
            {{"--listen", "127.0.0.1:0", "--key", folder / "none", "--server-key", "x"}, "--key"},
            {{"--max-connections", "0"}, "--max-connections"},
+           {{"--listen", "127.0.0.1:0", "--host", "stage.lan:7080"}, "--host \"stage.lan:7080\""},
            {{"--bogus"}, "--bogus"}}) {
     const auto [code, said] = Refused(options);
     EXPECT_EQ(code, 2) << word;
     EXPECT_NE(said.find(word), std::string::npos) << said;
   }
   // With the explicit option, or with a token, other machines may connect.
-  const Web open("tcp://127.0.0.1:9", "tcp://127.0.0.1:9",
-                 {"--listen", "0.0.0.0:0", "--allow-unauthenticated-remote"});
-  EXPECT_EQ(Ask("http://127.0.0.1:" + open.address.substr(open.address.rfind(':') + 1), "/healthz",
-                {{"Host", "stage.lan"}})
-                .status,
-            503);
+  const Web open(
+      "tcp://127.0.0.1:9", "tcp://127.0.0.1:9",
+      {"--listen", "0.0.0.0:0", "--allow-unauthenticated-remote", "--host", "stage.lan"});
+  const auto named = [&open](const std::string& host) {
+    return Ask("http://127.0.0.1:" + open.address.substr(open.address.rfind(':') + 1), "/healthz",
+               {{"Host", host}})
+        .status;
+  };
+  EXPECT_EQ(named("stage.lan"), 503);
+  EXPECT_EQ(named("192.168.1.5:7080"), 503);
+  EXPECT_EQ(named("evil.example"), 403) << "a site that points its name at this machine";
   const Web guarded("tcp://127.0.0.1:9", "tcp://127.0.0.1:9",
                     {"--listen", "0.0.0.0:0", "--token-file", folder / "good-token"});
   EXPECT_TRUE(guarded.child->Running());

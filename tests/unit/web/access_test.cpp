@@ -12,15 +12,38 @@ namespace {
 
 TEST(AccessTest, OnLoopbackOnlyLoopbackNamesAreAnswered) {
   const AccessRules rules;
-  for (const char* host : {"localhost", "localhost:7080", "127.0.0.1:7080", "127.1.2.3",
-                           "[::1]:7080", "[::1]", "LocalHost:7080", "LOCALHOST"}) {
+  for (const char* host :
+       {"localhost", "localhost:7080", "127.0.0.1:7080", "127.1.2.3", "[::1]:7080", "[::1]",
+        "LocalHost:7080", "LOCALHOST", "localhost.", "localhost.:7080", "localhost:"}) {
     EXPECT_EQ(Judge(rules, {.host = host}, true), Verdict::kAllowed) << host;
   }
   for (const char* host :
        {"", "evil.example:7080", "localhost.evil.example", "127.0.0.1.evil.example",
-        "192.168.1.5:7080", "[::2]:7080", "[::1].evil.example"}) {
+        "192.168.1.5:7080", "[::2]:7080", "[::1].evil.example", "127.0.0.1:7080@evil.example",
+        "localhost@evil.example", "localhost:7080:evil", "localhost:123456", "127.0.0.1/evil",
+        "localhost..", "127.0.0.1 evil", "[::1", "[::1]evil", "[]", ":7080", "."}) {
     EXPECT_EQ(Judge(rules, {.host = host}, false), Verdict::kHost) << host;
   }
+}
+
+// The name of a site that points it at this machine has a letter in its last label.
+TEST(AccessTest, WithoutATokenASiteThatPointsItsNameHereIsRefused) {
+  AccessRules rules{.loopback = false, .hosts = {"Stage.lan"}};
+  for (const char* host : {"192.168.1.5:7080", "[fe80::1]:7080", "localhost:7080", "stage.LAN:7080",
+                           "stage.lan.", "127.0.0.1"}) {
+    EXPECT_EQ(Judge(rules, {.host = host}, false), Verdict::kAllowed) << host;
+  }
+  for (const char* host :
+       {"evil.example:7080", "stage.lan.evil.example", "192.168.1.5.evil.example",
+        "192.168.1.5:7080@evil", "1e100.net", "", "[evil]"}) {
+    EXPECT_EQ(Judge(rules, {.host = host, .origin = "http://" + std::string(host)}, false),
+              Verdict::kHost)
+        << host;
+  }
+  rules.token = "abcdefgh12345678";
+  EXPECT_EQ(Judge(rules, {.host = "proxy.example"}, false), Verdict::kAllowed)
+      << "such a site has no token";
+  EXPECT_EQ(Judge(rules, {.host = "proxy.example:80@evil"}, false), Verdict::kHost);
 }
 
 TEST(AccessTest, TheGatewayIsOnLoopbackUnlessToldOtherwise) {
@@ -43,13 +66,15 @@ TEST(AccessTest, PagesOfOtherSitesAreRefusedUnlessNamed) {
     EXPECT_EQ(judge(origin), Verdict::kOrigin) << origin;
   }
   rules.loopback = false;
+  rules.hosts = {"stage.lan"};
   EXPECT_EQ(Judge(rules, {.host = "stage.lan", .origin = "https://stage.lan"}, false),
             Verdict::kAllowed);
-  EXPECT_EQ(Judge(rules, {.host = "", .origin = "http://"}, false), Verdict::kOrigin);
+  EXPECT_EQ(Judge(rules, {.host = "stage.lan", .origin = "http://"}, false), Verdict::kOrigin);
 }
 
 TEST(AccessTest, NamesAreTheSameInCapitals) {
-  const AccessRules rules{.loopback = false, .origins = {"http://Stage.LAN:5173"}};
+  const AccessRules rules{
+      .loopback = false, .hosts = {"stage.lan", "x"}, .origins = {"http://Stage.LAN:5173"}};
   EXPECT_EQ(Judge(rules, {.host = "STAGE.lan:7080", .origin = "http://stage.lan:7080"}, false),
             Verdict::kAllowed);
   EXPECT_EQ(Judge(rules, {.host = "x", .origin = "http://stage.lan:5173"}, false),
