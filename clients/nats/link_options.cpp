@@ -25,6 +25,14 @@ Status ReadLogin(const std::string& file, LinkOptions& link) {
   return Status::Ok();
 }
 
+// The address without the user and the password that may stand before an @: errors are logged.
+std::string WithoutUser(const std::string& server) {
+  const std::size_t at = server.rfind('@');
+  if (at == std::string::npos) return server;
+  const std::size_t scheme = server.find("//");
+  return (scheme < at ? server.substr(0, scheme + 2) : "") + "..." + server.substr(at);
+}
+
 }  // namespace
 
 void Declare(CLI::App& app, const std::string& broker, LinkOptions& options, std::string& login) {
@@ -62,7 +70,7 @@ Status Complete(const std::string& login, LinkOptions& options) {
 Status CheckServer(const std::string& server) {
   const bool tls = server.starts_with("tls://");
   const auto fail = [&server](const std::string& what) {
-    return Status::Error("--nats '" + server + "': " + what +
+    return Status::Error("--nats '" + WithoutUser(server) + "': " + what +
                          "; expected nats://HOST:PORT or tls://HOST:PORT");
   };
   if (!tls && !server.starts_with("nats://")) return fail("neither nats:// nor tls://");

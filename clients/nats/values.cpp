@@ -50,6 +50,15 @@ bool Values::Fail(natsStatus status) {
   std::string what =
       "the bucket '" + std::string(kBucket) + "' cannot be read: " + natsStatus_GetText(status);
   if (detail != nullptr && *detail != '\0') what += std::string(" (") + detail + ")";
+  // What a user may not ask is dropped by the broker: the asker only sees that nobody answers.
+  const char* refused = nullptr;
+  natsConnection_GetLastError(link_.get(), &refused);
+  if (refused != nullptr && *refused != '\0') what += std::string("; the broker says: ") + refused;
+  if (!domain_.empty() && (status == NATS_TIMEOUT || status == NATS_NO_RESPONDERS)) {
+    what += "; expected a JetStream domain \"" + domain_ +
+            "\" that this user may ask, or no --domain: viewers of the shipped configurations ask "
+            "their own account's";
+  }
   what += "; without it frames have no bodies, and it is tried again";
   const std::scoped_lock lock(mutex_);
   if (what != last_error_) error_ = last_error_ = what;

@@ -25,12 +25,15 @@ TEST(NatsLink, RefusesEachBadAddress) {
       {"nats://host:4222x", "is no port"},
       {"nats://host:99999999999", "is no port"},
       {"nats://user:secret@host:4222", "--nats-login"},
+      {"http://user:secret@host:4222", "neither nats:// nor tls://"},
+      {"user:sec@secret@host", "neither nats:// nor tls://"},
   };
   for (const auto& row : rows) {
     const Status status = CheckServer(row.server);
     EXPECT_FALSE(status.ok()) << row.server;
     EXPECT_THAT(status.message(), testing::HasSubstr(row.says)) << row.server;
     EXPECT_THAT(status.message(), testing::HasSubstr("expected nats://HOST:PORT")) << row.server;
+    EXPECT_THAT(status.message(), testing::Not(testing::HasSubstr("sec"))) << "it may be logged";
   }
   for (const char* good : {"nats://127.0.0.1:4222", "tls://hub.example:4443", "nats://[::1]:1"}) {
     EXPECT_TRUE(CheckServer(good).ok()) << good;
