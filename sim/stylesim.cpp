@@ -248,14 +248,25 @@ int Play(const Arguments& a, const std::vector<std::string>& to, rigs::Rig* serv
     const Status address = player::CheckAddress(one, server != nullptr ? 0 : 1);
     if (!address.ok()) return RefuseArguments(address);
   }
-  std::vector<std::unique_ptr<player::Link>> links;
+  const auto on_failure = [](const std::string& url, const std::string& why) {
+    std::fprintf(stderr, "stylesim: %s: %s; sending to the others goes on\n", url.c_str(),
+                 why.c_str());
+  };
+  std::vector<player::NamedLink> links;
+  Status failure = Status::Ok();
   for (const std::string& one : to) {
     auto link =
         server != nullptr ? rigs::Listen(*server, one) : player::Connect(one, a.start_wait_ms);
-    if (!link.ok()) return Fail(link.status());
-    links.push_back(std::move(link.value()));
+    if (link.ok()) {
+      links.push_back({one, std::move(link.value())});
+      continue;
+    }
+    failure = link.status();
+    if (to.size() > 1) on_failure(one, failure.message().substr(one.size() + 2));
   }
-  const auto link = links.size() == 1 ? std::move(links.front()) : player::ToAll(std::move(links));
+  if (links.empty()) return Fail(failure);
+  const auto link = links.size() == 1 ? std::move(links.front().link)
+                                      : player::ToAll(std::move(links), on_failure);
   player::SteadyClock clock;
   const auto on_refused = [&to] {
     std::fprintf(

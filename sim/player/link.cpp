@@ -225,28 +225,41 @@ class TcpLink final : public Link {
 
 class AllLinks final : public Link {
  public:
-  explicit AllLinks(std::vector<std::unique_ptr<Link>> links) : links_(std::move(links)) {}
+  AllLinks(std::vector<NamedLink> links, OnFailure on_failure)
+      : on_failure_(std::move(on_failure)) {
+    for (NamedLink& link : links) links_.push_back({std::move(link), false});
+  }
   Status Send(std::span<const std::byte> datagram) override {
-    Status status = Status::Ok();
-    for (const auto& link : links_) {
-      if (Status one = link->Send(datagram); !one.ok()) status = one;
+    Status failure = Status::Ok();
+    std::size_t sent = 0;
+    for (Target& target : links_) {
+      const Status status = target.named.link->Send(datagram);
+      sent += status.ok() ? 1 : 0;
+      if (!status.ok() && !target.fails) on_failure_(target.named.url, status.message());
+      target.fails = !status.ok();
+      if (!status.ok()) failure = Status::Error(target.named.url + ": " + status.message());
     }
-    return status;
+    return sent > 0 ? Status::Ok() : failure;
   }
   std::size_t Receive(std::span<std::byte> datagram) override {
-    for (const auto& link : links_) {
-      if (const std::size_t size = link->Receive(datagram); size > 0) return size;
+    for (const Target& target : links_) {
+      if (const std::size_t size = target.named.link->Receive(datagram); size > 0) return size;
     }
     return 0;
   }
   std::uint64_t refused() override {
     std::uint64_t sum = 0;
-    for (const auto& link : links_) sum += link->refused();
+    for (const Target& target : links_) sum += target.named.link->refused();
     return sum;
   }
 
  private:
-  std::vector<std::unique_ptr<Link>> links_;
+  struct Target {
+    NamedLink named;
+    bool fails = false;  // the last datagram was not sent
+  };
+  std::vector<Target> links_;
+  OnFailure on_failure_;
 };
 
 }  // namespace
@@ -258,8 +271,8 @@ Status CheckAddress(const std::string& url, int lowest_port) {
   return address.ok() ? Status::Ok() : address.status();
 }
 
-std::unique_ptr<Link> ToAll(std::vector<std::unique_ptr<Link>> links) {
-  return std::make_unique<AllLinks>(std::move(links));
+std::unique_ptr<Link> ToAll(std::vector<NamedLink> links, OnFailure on_failure) {
+  return std::make_unique<AllLinks>(std::move(links), std::move(on_failure));
 }
 
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,8 +33,15 @@ class Link {
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
 
 // A rig that sends to several programs: each of `links`, at least one, gets every datagram. What
-// comes back is read from all of them.
-std::unique_ptr<Link> ToAll(std::vector<std::unique_ptr<Link>> links);
+// comes back is read from all of them. A link that fails does not keep the others from sending:
+// `on_failure` is called with its address and the reason, again only after it has sent in between.
+// Send() fails where all links do.
+struct NamedLink {
+  std::string url;
+  std::unique_ptr<Link> link;
+};
+using OnFailure = std::function<void(const std::string& url, const std::string& why)>;
+std::unique_ptr<Link> ToAll(std::vector<NamedLink> links, OnFailure on_failure);
 
 // The peers that a server sends to. kAllWhoSpeak: all that sent something within the last 5 s.
 // kNewest: the one that sent something last, without end.
