@@ -56,7 +56,8 @@ check "the group is there" "$(inside getent group styled | cut -d: -f1)" styled
 check "nothing is enabled" "$(find "$root/etc/systemd" -name '*style*' | wc -l)" 0
 check "the weights are there" "$(cd "$root/usr/share/styled/weights" && echo *)" \
   "graph.safetensors open.safetensors st-gcn.safetensors v2.safetensors"
-check "the weights' licence is told" "$(grep -c 'CC-BY-NC-4.0' "$root/usr/share/doc/styled/copyright")" 2
+check "the weights' licences are told" "$(grep '^License: CC' "$root/usr/share/doc/styled/copyright" | sort | uniq -c | tr -s ' ' | paste -sd,)" \
+  " 2 License: CC-BY-4.0, 3 License: CC-BY-NC-4.0"
 check "the configuration is good" "$(inside styled --check-config /etc/styled/styled.toml)" "/etc/styled/styled.toml: ok"
 check "every program has a page" "$(cd "$root/usr/bin" && for p in style*; do [ -f "$root/usr/share/man/man1/$p.1.gz" ] || echo "$p"; done)" ""
 
