@@ -21,6 +21,7 @@ Status Repack(styled::recording::Reader& take, const std::string& file) {
   auto hash = styled::recording::HashOfFile(kWeights);
   if (!hash.ok()) return hash.status();
   auto header = take.header();
+  header.set_weights(std::filesystem::path(kWeights).filename().string());
   header.set_weights_hash(hash.value());
   auto writer = styled::recording::FileWriter::Create(
       file, header,
