@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "daemon/source/face.h"
@@ -112,15 +113,29 @@ TEST(FaceLayer, AFrameFromTheFutureAndASecondPhoneChangeNothing) {
 // What is no face comes from a performer's own protocol; nothing of it may be read beyond its end.
 TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
   FaceLayer layer;
-  Bytes broken = Encoded({{"jawOpen", 0.5F}}, "/VMC/Thru/a");
-  for (std::size_t size = 0; size < broken.size(); ++size) {
-    const Bytes cut(broken.begin(), broken.begin() + static_cast<std::ptrdiff_t>(size));
-    (void)layer.Take(Frame(cut, size + 1), 0);
-    (void)layer.Over(cut, 700 * kMs);
+  const Bytes whole = Encoded({{"jawOpen", 0.5F}}, "/VMC/Thru/a");
+  const std::size_t expression_size = whole.size() - source::PassedOn(whole).size();
+  ASSERT_GT(expression_size, 0U);
+  ASSERT_LT(expression_size, whole.size());
+  for (std::size_t size = 0; size <= whole.size(); ++size) {
+    const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    const auto passed_on = source::PassedOn(cut);
+    if (size <= expression_size) {
+      EXPECT_TRUE(passed_on.empty()) << size;
+    } else {
+      EXPECT_EQ(passed_on.data() + passed_on.size(), cut.data() + cut.size()) << size;
+      EXPECT_EQ(passed_on.size(), size - expression_size) << size;
+    }
+    if (size > 0) EXPECT_TRUE(Takes(layer, Frame(cut, size), 0)) << size;
+    // As old as it fades: the values are scaled in place, and nothing is added.
+    const auto shown = layer.Over(cut, 700 * kMs);
+    EXPECT_EQ(shown.size(), cut.size() + passed_on.size()) << size;
   }
-  Bytes absurd(40, std::byte{0xFF});
-  (void)layer.Take(Frame(absurd, 1000), 0);
-  (void)layer.Over(absurd, 700 * kMs);
+  const Bytes absurd(40, std::byte{0xFF});
+  EXPECT_TRUE(source::PassedOn(absurd).empty());
+  ASSERT_TRUE(Takes(layer, Frame(absurd, 1000), 0));
+  const auto shown = layer.Over(absurd, 700 * kMs);
+  EXPECT_TRUE(std::ranges::equal(shown, absurd)) << "nothing of it is a value to scale";
 }
 
 TEST(Layers, AFaceGoesToItsPerformerAlone) {

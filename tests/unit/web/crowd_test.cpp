@@ -47,9 +47,13 @@ TEST_F(CrowdTest, RequestsGiveWayBeforeRepliesAndBrowsersNever) {
 }
 
 TEST_F(CrowdTest, AMemberMayOutliveEverybodyElse) {
+  const std::weak_ptr<Crowd> crowd = crowd_;
   auto last = Come("last");
   crowd_.reset();
+  EXPECT_FALSE(crowd.expired()) << "the member still leaves it";
   last.reset();
+  EXPECT_TRUE(crowd.expired());
+  EXPECT_TRUE(closed_.empty());
 }
 
 }  // namespace
