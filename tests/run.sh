@@ -45,31 +45,54 @@ step() {  # step NAME COMMAND...: runs it, says how long it took, counts a failu
 
 run_ctest() {  # run_ctest NAME PRESET [ctest options]: adds its counts to passed and failed; build/NAME.log
   local log="build/$1.log" preset=$2
-  shift 2
+  rm -f "build/$1.xml"
   set +e
-  # Senders and subscribers of the tests are processes in real time. Where a busy machine stops one
-  # for longer than a rig's frame, what it tests did not happen: it gets one more try, said aloud.
-  ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --repeat until-pass:2 \
-    "$@" >"$log" 2>&1
+  ctest --test-dir "build/$preset" --output-on-failure --no-tests=error \
+    --output-junit "$root/build/$1.xml" "${@:3}" >"$log" 2>&1
   set -e
-  sed -n 's/.*Test *#[0-9]*: \([^ ]*\) .*\*\*\*\(Failed\|Timeout\|Exception\).*/\1/p' "$log" | sort | uniq -c |
-    awk '$1 == 1 { print "passed at the second try: " $2 }'
+  local second
+  second=$(sed -n 's/.*Test *#[0-9]*: \([^ ]*\) .*\*\*\*\(Failed\|Timeout\|Exception\).*/\1/p' "$log" | sort | uniq -c |
+    awk '$1 == 1 { print $2 }')
   local total bad missed
   total=$(sed -n 's/.*tests failed out of \([0-9]*\).*/\1/p' "$log" | tail -1)
   bad=$(sed -n 's/.*tests passed, \([0-9]*\) tests failed.*/\1/p' "$log" | tail -1)
-  grep -h "skipped, no data" "$log" | sort | uniq -c | sort -rn | head -3 || true
   if [ -z "$total" ]; then
     tail -n 30 "$log"
     return 1
   fi
+  python3 -B tests/skipped.py "build/$1.xml"
   missed=$(grep -c '\*\*\*Skipped' "$log" || true)
   skipped=$((skipped + missed))
   passed=$((passed + total - bad - missed))
-  [ "$bad" = 0 ] && return 0
+  if [ "$bad" = 0 ]; then
+    [ -z "$second" ] && return 0
+    # Without --repeat a test that failed is one of `bad`, so these passed when they ran again.
+    echo "passed at the second try:" $second
+    seconds_tried=$((seconds_tried + $(wc -w <<<"$second")))
+    return 0
+  fi
   failed=$((failed + bad - 1))  # step counts one
   sed -n '/The following tests FAILED/,$p' "$log"
   grep -h -B2 -A12 "Failure$" "$log" | head -n 120
   return 1
+}
+
+# Tests labelled realtime run senders, daemons and subscribers as processes. Where a busy machine
+# stops one of them for longer than a rig's frame, what the test is about did not happen: it gets
+# one more try. No other test does, and no test under a sanitizer. So many second tries in all are
+# the machine's; more are a fault of the code.
+most_second_tries=6
+seconds_tried=0
+second_tries_are_few() {
+  echo "$seconds_tried tests needed a second try, expected at most $most_second_tries"
+  [ "$seconds_tried" -le "$most_second_tries" ]
+}
+
+# What reads strangers' bytes, and what moves and styles frames, under ASan and UBSan: every time.
+sanitized_part() {
+  local styled_targets=styled_sanitizer_part
+  styled_build asan -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF &&
+    run_ctest sanitizer-tests asan -j2 -L sanitizer
 }
 
 step "install" styled_install "$level"
@@ -81,7 +104,8 @@ setsid nice -n 19 bash -c 'tests/lint.sh; all=$?; echo "lint took $SECONDS s"; t
   >build/lint.log 2>&1 &
 lint=$!
 trap 'kill -- "-$lint" 2>/dev/null || true' EXIT  # it would outlive Ctrl-C
-step "tests" run_ctest release-tests release -j3 -LE browser
+step "tests with processes" run_ctest release-realtime release -j3 -L realtime -LE browser --repeat until-pass:2
+step "tests" run_ctest release-tests release -j3 -LE "browser|realtime"
 lint_is_well() {
   local result=0
   wait "$lint" || result=1
@@ -89,7 +113,9 @@ lint_is_well() {
   return "$result"
 }
 step "lint, and clang-tidy of what changed" lint_is_well
-step "tests in a browser" run_ctest browser-tests release -L browser
+step "tests in a browser" run_ctest browser-tests release -L browser --repeat until-pass:2
+step "second tries" second_tries_are_few
+step "tests under ASan and UBSan, in part" sanitized_part
 if [ "$full" = yes ]; then
   step "clang-tidy" tests/lint.sh --tidy
   step "install clang 22" styled_install effects
