@@ -90,5 +90,40 @@ TEST(Link, AServerOfTheNewestSendsToThatOneAlone) {
   }
 }
 
+class Flaky final : public Link {
+ public:
+  Status Send(std::span<const std::byte> datagram) override {
+    if (fails) return Status::Error("no route");
+    sent += static_cast<int>(datagram.size());
+    return Status::Ok();
+  }
+  bool fails = false;
+  int sent = 0;
+};
+
+TEST(Link, OneOfSeveralTargetsThatFailsIsToldOnceAndTheOthersGetAll) {
+  auto first = std::make_unique<Flaky>(), second = std::make_unique<Flaky>();
+  Flaky &a = *first, &b = *second;
+  std::vector<std::string> told;
+  std::vector<NamedLink> links;
+  links.push_back({"udp://a:1", std::move(first)});
+  links.push_back({"udp://b:2", std::move(second)});
+  const auto all = ToAll(std::move(links), [&told](const std::string& url, const std::string& why) {
+    told.push_back(url + " " + why);
+  });
+  const std::array<std::byte, 1> datagram{};
+  a.fails = true;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(all->Send(datagram).ok());
+  EXPECT_EQ(b.sent, 3);
+  EXPECT_EQ(told, (std::vector<std::string>{"udp://a:1 no route"}));
+  a.fails = false;
+  EXPECT_TRUE(all->Send(datagram).ok());
+  a.fails = b.fails = true;
+  const Status none = all->Send(datagram);
+  EXPECT_FALSE(none.ok());
+  EXPECT_EQ(none.message(), "udp://b:2: no route");
+  EXPECT_EQ(told.size(), 3U) << "again, after it had sent in between";
+}
+
 }  // namespace
 }  // namespace styled::player
