@@ -61,7 +61,8 @@ Result<WeightsLabel> LabelOf(const config::Model& model,
   return label;
 }
 
-Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_crc) {
+Result<Networks> ReadNetworks(const config::Model& model,
+                              std::optional<std::uint32_t> running_crc) {
   const auto files = FindWeightsFiles(model);
   if (!files.ok()) return files.status();
   Networks networks;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,9 +34,10 @@ struct Networks {
   std::uint32_t crc = 0;      // of all bytes, and of what they are rounded to
 };
 
-// Reads and tries them (model/trial). Where all bytes have the CRC-32C `running_crc`, nothing is
-// tried again: `network` is null then, and what is known by it is not set. Blocks and allocates;
+// Reads and tries them (model/trial). Where weights run whose bytes have the CRC-32C `running_crc`
+// and these have it too, nothing is tried again: `network` is null then, and what is known by it is
+// not set. Blocks and allocates;
 // start-up and reload only. Errors name the file.
-Result<Networks> ReadNetworks(const config::Model& model, std::uint32_t running_crc);
+Result<Networks> ReadNetworks(const config::Model& model, std::optional<std::uint32_t> running_crc);
 
 }  // namespace styled::pipeline

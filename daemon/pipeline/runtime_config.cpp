@@ -55,7 +55,8 @@ std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const Retarg
 Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Config& config,
                                                                const RuntimeConfig* running,
                                                                std::uint32_t& weights_crc) {
-  const auto networks = ReadNetworks(config.model, running == nullptr ? 0 : weights_crc);
+  const auto networks =
+      ReadNetworks(config.model, running == nullptr ? std::nullopt : std::optional(weights_crc));
   if (!networks.ok()) return networks.status();
   auto made = std::make_shared<RuntimeConfig>();
   if (networks.value().network == nullptr && running != nullptr) {
