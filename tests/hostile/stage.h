@@ -68,6 +68,7 @@ class Stage {
 
   support::Daemon& daemon() { return *daemons_[0]; }
   ServiceManager& manager() { return manager_; }
+  const support::TemporaryFolder& folder() const { return folder_; }
   // Makes a style and takes a checkpoint.
   Loot TakeLoot();
   // Runs `attack` on a thread of its own, beside the victim, with a reload in the middle, and
