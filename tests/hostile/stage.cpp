@@ -29,6 +29,8 @@ std::int64_t Memory(pid_t pid, const std::string& field) {
 // From now on VmHWM is the peak since this call.
 void ForgetPeak(pid_t pid) { std::ofstream("/proc/" + std::to_string(pid) + "/clear_refs") << 5; }
 
+}  // namespace
+
 std::string StandbyTable(const support::TemporaryFolder& folder, int own) {
   const auto address = [&folder](int which) {
     return "\"ipc://" + std::string(folder / ("journal" + std::to_string(which))) + "\"\n";
@@ -37,8 +39,6 @@ std::string StandbyTable(const support::TemporaryFolder& folder, int own) {
   return "[standby]\naddress = " + address(own) + "peer = " + address(1 - own) +
          "hold_ms = 1000\nfirst = " + (own == 0 ? "true" : "false") + "\n";
 }
-
-}  // namespace
 
 ServiceManager::ServiceManager()
     : thread_([this] {
@@ -53,6 +53,11 @@ ServiceManager::ServiceManager()
 ServiceManager::~ServiceManager() {
   stop_ = true;
   thread_.join();
+}
+
+void ServiceManager::Forget() {
+  const std::lock_guard lock(mutex_);
+  heard_.clear();
 }
 
 double ServiceManager::LongestSilence_s(Clock::time_point since) const {
@@ -104,9 +109,9 @@ Stage::Stage(const std::string& extra, std::vector<std::string> settings) {
   EXPECT_EQ(control.SetStyle("rig.victim", "style1").code(), v1::CODE_OK) << daemon().Log();
 }
 
-Loot Stage::TakeLoot() {
+Loot TakeLoot(const support::Daemon& daemon, const std::string& performer) {
   Loot loot;
-  support::ControlClient control(daemon().control);
+  support::ControlClient control(daemon.control);
   v1::Request request;
   request.mutable_like()->set_name("loot");
   request.mutable_like()->set_clip(support::WalkBvh(60, 2));
@@ -115,7 +120,7 @@ Loot Stage::TakeLoot() {
   request.mutable_export_style()->set_name("loot");
   loot.style_file = control.Ask(request).style_file().file();
   EXPECT_FALSE(loot.style_file.empty());
-  request.set_performer("rig.victim");
+  request.set_performer(performer);
   request.mutable_take_checkpoint();
   reply = control.Ask(request);
   EXPECT_EQ(reply.code(), v1::CODE_OK) << reply.reason();

@@ -26,6 +26,8 @@ class ServiceManager {
   ServiceManager();
   ~ServiceManager();
   const std::string& path() const { return datagrams_.path(); }
+  // Drops what was heard, so that an hour does not fill memory.
+  void Forget();
 
   // The longest time without WATCHDOG=1 since `since`, the time until now included, in seconds.
   double LongestSilence_s(Clock::time_point since) const;
@@ -43,6 +45,11 @@ class ServiceManager {
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
+
+// The [standby] table of one of two daemons, `own` 0 or 1; the journals are in the folder.
+std::string StandbyTable(const support::TemporaryFolder& folder, int own);
+// Makes a style and takes a checkpoint of the performer.
+Loot TakeLoot(const support::Daemon& daemon, const std::string& performer);
 
 // The properties that hold whatever a client, file or rig does; the bounds are theirs.
 struct Measured {
@@ -69,8 +76,6 @@ class Stage {
   support::Daemon& daemon() { return *daemons_[0]; }
   ServiceManager& manager() { return manager_; }
   const support::TemporaryFolder& folder() const { return folder_; }
-  // Makes a style and takes a checkpoint.
-  Loot TakeLoot();
   // Runs `attack` on a thread of its own, beside the victim, with a reload in the middle, and
   // measures until it has ended.
   Measured Watch(const std::function<void()>& attack);
