@@ -58,6 +58,7 @@ void Pipeline::OnChange(Change change) {
   style_requests_.clear();
   imports_.clear();
   silence_.Clear();
+  put_off_.clear();
   if (change == Change::kFollow) return standby.publisher().Hold();
   standby.held().Expire(roster_.source_names(), to_.clock.Now_ns());
   // With a part of the leader's state, those performers go on, in the same epoch.

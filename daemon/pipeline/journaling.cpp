@@ -112,6 +112,7 @@ void Pipeline::JournalFrames(int source, std::span<const source::SourceFrame> fr
   batch.set_source(static_cast<std::uint32_t>(source));
   batch.set_name(roster_.source_names()[static_cast<std::size_t>(source)]);
   for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (outcomes_[i].put_off) continue;
     standby::Write(frames[i], outcomes_[i], *batch.add_frames());
   }
   to_.standby->Send(receive_ns_, wall_ns_);

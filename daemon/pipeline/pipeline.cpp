@@ -42,6 +42,7 @@ void Pipeline::SetLayers(const std::vector<config::Source>& sources) {
 int Pipeline::DoWork() {
   const std::int64_t begin_ns = to_.clock.Now_ns();
   int work = to_.standby != nullptr ? DoStandby() : 0;
+  work += DoPutOff();
   for (const auto& transport : transports_) {
     work += leads() ? transport->DoWork(*this) : transport->DoWork(holder_);
   }

@@ -23,6 +23,7 @@
 #include "daemon/publish/subscriptions.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/runtime/wall_offset.h"
+#include "daemon/source/frame_memory.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
 #include "daemon/standby/entry.h"
@@ -81,6 +82,13 @@ class Pipeline final : public Worker, public source::Receiver {
     const source::SourceFrame* frame = nullptr;
     Performer* performer = nullptr;  // null: unknown yet, or a body
     std::int64_t sent_ns = 0;        // when its last topic was sent; 0: not sent
+  };
+
+  // A body whose binding waits for a later turn.
+  struct PutOff {
+    int source = 0;
+    source::SourceFrame frame;
+    source::FrameMemory memory{4096};
   };
 
   // Keeps what the sources send for a standby that takes over.
@@ -146,6 +154,8 @@ class Pipeline final : public Worker, public source::Receiver {
   void AcceptLayer(Layer& layer, int source, std::span<const source::SourceFrame> frames,
                    runtime::HotSection& hot);
   void AcceptLayerBody(FingerLayer& fingers, int source, const source::SourceFrame& body);
+  bool PutsOff(int source, const source::SourceFrame& body);
+  int DoPutOff();
   void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
@@ -197,7 +207,9 @@ class Pipeline final : public Worker, public source::Receiver {
   std::span<const standby::Outcome> decided_;
   bool feeds_ = false;  // what was held is handled: no frame of it is passed over
   v1::Silence silence_;
-  std::vector<v1::Setting> source_settings_;  // of the [[source]] tables, for the other daemon
+  std::deque<std::unique_ptr<PutOff>> put_off_;  // oldest first
+  int bindings_ = 0;                             // of this turn
+  std::vector<v1::Setting> source_settings_;     // of the [[source]] tables, for the other daemon
   // What the leader did to styles and the files thread repeats: what waits for room in the mailbox;
   // how much is in it; styles of the leader's among both; whether one failed since all was done.
   std::deque<v1::Request> style_requests_;

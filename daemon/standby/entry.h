@@ -36,6 +36,7 @@ struct Outcome {
   // The bytes of that pose's RoundedPose, little-endian; a view, empty: there is no pose.
   std::span<const std::byte> rounded_pose;
   bool relieved = false;  // without style, because the machine cannot keep up
+  bool put_off = false;   // a body that is handled in a later batch, and is no part of this one
 };
 
 // How a daemon's outcome of a frame compares with the leader's.

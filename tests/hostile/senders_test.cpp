@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <random>
 #include <thread>
 
@@ -145,6 +146,54 @@ TEST_F(HostileTest, BesideAThousandRandomClocks) {
       counters += counter.name() + "=" + std::to_string(counter.value()) + " ";
   }
   EXPECT_GT(control.Counter("pipeline.frames"), 5000U) << counters;
+}
+
+// Binding a body and the state for its styles take far longer than a frame: of many who come at the
+// same moment a few are begun between two frames of those who are live.
+TEST(BeginningsTest, ManyAtOnceDelayNobody) {
+  constexpr int kLive = 4, kBegin = 59, kFrames = 360;
+  // Far above a frame's time and far below what 59 beginnings take in a row.
+  constexpr double kMost_ms = 60;
+  Daemon daemon;
+  Subscriber subscriber(daemon.publish, {"body/", "styled/rig.live0/rig/"});
+  const UdpLink link(daemon.udp);
+  std::vector<Rig> live, more;
+  for (int i = 0; i < kLive; ++i) live.emplace_back("live" + std::to_string(i), 100 + i);
+  for (int i = 0; i < kBegin; ++i) more.emplace_back("more" + std::to_string(i), 1000 + i);
+  for (Rig& rig : live) link.Send(rig.Body());
+  ASSERT_TRUE(subscriber.WaitForBody());
+  std::map<std::uint64_t, std::int64_t> sent_at_ns;  // by the first performer's sequence
+  Paced(kFrames, 120, [&](int frame) {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    for (Rig& rig : live) {
+      if (&rig == &live.front()) {
+        sent_at_ns[rig.sequence] = now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+      }
+      link.Send(rig.Frame());
+    }
+    if (frame == kFrames / 3) {
+      for (Rig& rig : more) link.Send(rig.Body());
+    }
+    if (frame > kFrames / 3 && frame % 10 == 0) {
+      for (Rig& rig : more) link.Send(rig.Frame());
+    }
+  });
+  ASSERT_TRUE(subscriber.WaitForFrames(kFrames, "styled/rig.live0/rig/"));
+  double longest_ms = 0;
+  for (const v1::Frame& frame : subscriber.Frames("styled/rig.live0/rig/")) {
+    const auto found = sent_at_ns.find(frame.source_sequence());
+    if (found == sent_at_ns.end()) continue;
+    longest_ms = std::max(
+        longest_ms,
+        static_cast<double>(static_cast<std::int64_t>(frame.publish_time_ns()) - found->second) *
+            1e-6);
+  }
+  std::printf("longest way of a live frame: %.1f ms\n", longest_ms);
+  EXPECT_LT(longest_ms, kMost_ms);
+  ControlClient control(daemon.control);
+  EXPECT_EQ(control.CounterSoon("pipeline.performers", kLive + kBegin),
+            static_cast<std::uint64_t>(kLive + kBegin));
 }
 
 }  // namespace
