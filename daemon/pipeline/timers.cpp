@@ -12,6 +12,7 @@ using runtime::Counter;
 using runtime::kSecond_ns;
 using runtime::Nanoseconds;
 
+constexpr int kNamed = 8;  // performers in one line of the log
 constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
 
 }  // namespace
@@ -147,7 +148,8 @@ void Pipeline::BalanceLoad(std::int64_t now_ns) {
     }
     if (next == nullptr) break;
     next->Relieve(change > 0);
-    names += (names.empty() ? "" : ", ") + next->profile.id;
+    if (i < kNamed) names += (names.empty() ? "" : ", ") + next->profile.id;
+    if (i == kNamed) names += " and of others";
   }
   if (names.empty()) return;
   const int percent = static_cast<int>(100 * overload_.load() + 0.5);

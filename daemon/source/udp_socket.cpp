@@ -113,11 +113,14 @@ std::int64_t UdpSocket::ReadControl(std::size_t i) noexcept {
 }
 
 void UdpSocket::NoteDropped(std::uint32_t total) noexcept {
-  const std::uint32_t more = total - dropped_;
-  if (more == 0) return;
+  // A datagram carries the total of the time at which it was queued, which may be known already.
+  // The kernel's count wraps.
+  const auto more = static_cast<std::int32_t>(total - dropped_);
+  if (more <= 0) return;
   dropped_ = total;
-  kernel_dropped_ += more;
-  counters_.AddOf(source_, runtime::Counter::kSourceKernelDropped, more);
+  kernel_dropped_ += static_cast<std::uint64_t>(more);
+  counters_.AddOf(source_, runtime::Counter::kSourceKernelDropped,
+                  static_cast<std::uint64_t>(more));
 }
 
 void UdpSocket::ReadDrops() noexcept {

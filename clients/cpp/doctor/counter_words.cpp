@@ -1,5 +1,6 @@
 #include "clients/cpp/doctor/counter_words.h"
 
+#include <algorithm>
 #include <array>
 
 #include "clients/cpp/doctor/operating_page.h"
@@ -13,13 +14,15 @@ std::string Plain(std::string_view cell) {
   while (cell.ends_with(' ')) cell.remove_suffix(1);
   std::string out;
   for (std::size_t i = 0; i < cell.size(); ++i) {
-    if (cell[i] == '`' || cell[i] == '[' || cell[i] == '*') continue;
-    if (cell.substr(i).starts_with("](")) {
-      i = cell.find(')', i);
-      if (i == std::string_view::npos) break;
+    if (cell[i] == '`' || cell[i] == '*') continue;
+    const std::size_t end = cell[i] == '[' ? cell.find(']', i) : std::string_view::npos;
+    const bool link = end != std::string_view::npos && cell.substr(end).starts_with("](");
+    if (!link) {
+      out += cell[i];
       continue;
     }
-    out += cell[i];
+    out += Plain(cell.substr(i + 1, end - i - 1));
+    i = std::min(cell.find(')', end), cell.size());
   }
   return out;
 }

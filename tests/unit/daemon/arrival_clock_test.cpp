@@ -164,5 +164,23 @@ TEST_F(UdpSocketTest, WhatTheKernelDroppedLastIsCountedToo) {
   EXPECT_EQ(dropped(), kSent - received) << "counted once";
 }
 
+// Datagrams that were queued before the count was read carry an earlier one.
+TEST_F(UdpSocketTest, DatagramsThatTellLessThanIsKnownCountNothing) {
+  UdpSocket socket = Open(4096);
+  const support::UdpLink link(socket.endpoint());
+  const auto dropped = [this] { return counters_.Get(runtime::Counter::kSourceKernelDropped); };
+  for (int i = 0; i < 100; ++i) link.Send(support::Bytes(500));
+  socket.ReadDrops();
+  const std::uint64_t known = dropped();
+  ASSERT_GT(known, 0U);
+  std::size_t received = 0;
+  for (std::size_t more = 1; more > 0; received += more) more = socket.Receive().size();
+  EXPECT_EQ(received + known, 100U);
+  EXPECT_EQ(dropped(), known);
+  link.Send(support::Bytes(500));
+  ASSERT_EQ(socket.Receive().size(), 1U);
+  EXPECT_EQ(dropped(), known);
+}
+
 }  // namespace
 }  // namespace styled::source

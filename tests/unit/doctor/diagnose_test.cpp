@@ -274,8 +274,11 @@ TEST_F(DiagnoseTest, FramesThatLeaveTooLateAndStylesThatFadeForThemAreWarnedOf) 
   machine_.Grow("pipeline.overload_bypassed_frames", 90);
   auto& anna = *machine_.facts.daemon.after.mutable_stats()->mutable_performers(0);
   anna.set_over_budget(30);
+  anna.set_published(3000);
+  EXPECT_EQ(machine_.Codes(), "warning counter_grew; note over_budget") << "one in a hundred";
+  anna.set_published(2999);
   EXPECT_EQ(machine_.Codes(), "warning over_budget; warning counter_grew");
-  EXPECT_NE(machine_.First().what.find(": suit.anna 30."), std::string::npos);
+  EXPECT_NE(machine_.First().what.find(": suit.anna 30 of 2999."), std::string::npos);
   anna.set_overload_bypass(true);
   EXPECT_EQ(machine_.Codes(), "warning over_budget; warning overload");
 }
