@@ -231,8 +231,8 @@ void Pipeline::PassOnStyles() {
   }
 }
 
-// The files thread did one of them, or could not. Once all are done, everything is fetched again; at
-// once only if it can succeed.
+// The files thread did one of them, or could not. Once all are done, everything is fetched again;
+// at once only if it can succeed.
 void Pipeline::StylesFollowed(const Exchange& exchange) {
   --followed_;
   std::erase(imports_, exchange.request.import_style().file());

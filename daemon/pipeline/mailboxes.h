@@ -34,8 +34,8 @@ struct Event {
   std::string text;
 };
 
-// What the files thread hands to the pipeline: a configuration to take over, or a request whose work
-// it did, or both. The request is answered under the configuration.
+// What the files thread hands to the pipeline: a configuration to take over, or a request whose
+// work it did, or both. The request is answered under the configuration.
 struct Reload {
   std::shared_ptr<const RuntimeConfig> config;
   std::unique_ptr<Exchange> exchange;
@@ -45,12 +45,11 @@ struct Reload {
 struct Mailboxes {
   runtime::Ring<std::unique_ptr<Exchange>, 64> commands;  // control -> pipeline
   runtime::Ring<std::unique_ptr<Exchange>, 64> replies;   // pipeline -> control
-  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;  // control -> files (style_requests.h)
-  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;     // pipeline -> files
-  runtime::Ring<Reload, 4> reloads;                      // files -> pipeline
-  runtime::Ring<Event, 256> events;                      // pipeline -> supervisor
-  runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4>
-      profiles;  // pipeline -> files: to keep
+  runtime::Ring<std::unique_ptr<Exchange>, 4> examples;   // control -> files (style_requests.h)
+  runtime::Ring<std::unique_ptr<Exchange>, 4> takes;      // pipeline -> files
+  runtime::Ring<Reload, 4> reloads;                       // files -> pipeline
+  runtime::Ring<Event, 256> events;                       // pipeline -> supervisor
+  runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4> profiles;  // pipeline -> files: to keep
   // This daemon is another one's standby: it takes no orders. Set by the pipeline.
   std::atomic<bool> stands_by{false};
   runtime::Wakeup wake_pipeline, wake_control, wake_files;

@@ -34,7 +34,8 @@ TEST(SignOfLifeTest, EndsAtOnce) {
   support::Datagrams manager;
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) {
-    SignOfLife(manager.path(), [] { return std::uint64_t{0}; }, [] {});
+    SignOfLife(
+        manager.path(), [] { return std::uint64_t{0}; }, [] {});
   }
   // 20 looks would take 4 s.
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
