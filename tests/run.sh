@@ -88,7 +88,7 @@ second_tries_are_few() {
   [ "$seconds_tried" -le "$most_second_tries" ]
 }
 
-# What reads strangers' bytes, and what moves and styles frames, under ASan and UBSan: every time.
+# What reads strangers' bytes, under ASan and UBSan: every time. --full has all of the suite.
 sanitized_part() {
   local styled_targets=styled_sanitizer_part
   styled_build asan -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF &&
