@@ -11,8 +11,9 @@ using runtime::kSecond_ns;
 using runtime::Nanoseconds;
 
 constexpr std::int64_t kLongestPeriod_ns = kSecond_ns / 10;
-// New bodies that are bound between two looks at the sockets: 2.3 ms each beside three builds.
-constexpr int kBindingsPerTurn = 2;
+// What binding bodies may take of a turn while somebody performs: half of a frame's period at 120
+// Hz. One took 2.3 ms beside three builds.
+constexpr std::int64_t kBindingBudget_ns = kSecond_ns / 240;
 
 }  // namespace
 
@@ -41,7 +42,10 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
     if (frames[i].is_body) {
       StyleAccepted(hot);
       outcomes_[i].put_off = PutsOff(source, frames[i]);
-      if (!outcomes_[i].put_off) AcceptBody(source, frames[i]);
+      if (outcomes_[i].put_off) continue;
+      const std::int64_t begin_ns = to_.clock.Now_ns();
+      AcceptBody(source, frames[i]);
+      binding_ns_ += to_.clock.Now_ns() - begin_ns;
     } else {
       hot.Enter();
       AcceptFrame(source, items_[i], static_cast<int>(i), more_waiting, hot);
@@ -371,7 +375,7 @@ bool Pipeline::PassOver(Performer& performer, int index, bool full,
 
 // Whether the body's binding waits for a later turn. It takes milliseconds: of many performers who
 // begin at once, all in one turn would keep the frames of those who are live waiting. A standby
-// binds when its leader did.
+// binds when its leader did, and on a replay's clock nothing takes time.
 bool Pipeline::PutsOff(int source, const source::SourceFrame& body) {
   if (!decided_.empty() || feeds_) return false;
   const Performer* const performer = roster_.Find(source, body.performer);
@@ -385,7 +389,9 @@ bool Pipeline::PutsOff(int source, const source::SourceFrame& body) {
     (*same)->frame = (*same)->memory.Keep(body);
     return true;
   }
-  if (++bindings_ <= kBindingsPerTurn) return false;
+  const bool keeps_waiting = std::ranges::any_of(
+      roster_.performers, [](const auto& other) { return other->admission.live(); });
+  if (binding_ns_ <= kBindingBudget_ns || !keeps_waiting) return false;
   const auto most = static_cast<std::size_t>(roster_.config().performers.max_performers);
   if (put_off_.size() >= most) return false;
   put_off_.push_back(std::make_unique<PutOff>());
@@ -396,7 +402,7 @@ bool Pipeline::PutsOff(int source, const source::SourceFrame& body) {
 
 int Pipeline::DoPutOff() {
   int work = 0;
-  for (bindings_ = 0; !put_off_.empty() && bindings_ < kBindingsPerTurn; ++work) {
+  for (binding_ns_ = 0; !put_off_.empty() && binding_ns_ <= kBindingBudget_ns; ++work) {
     const std::unique_ptr<PutOff> body = std::move(put_off_.front());
     put_off_.pop_front();
     OnFrames(body->source, {&body->frame, 1}, false);

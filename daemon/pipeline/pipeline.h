@@ -208,7 +208,7 @@ class Pipeline final : public Worker, public source::Receiver {
   bool feeds_ = false;  // what was held is handled: no frame of it is passed over
   v1::Silence silence_;
   std::deque<std::unique_ptr<PutOff>> put_off_;  // oldest first
-  int bindings_ = 0;                             // of this turn
+  std::int64_t binding_ns_ = 0;                  // spent on bodies in this turn
   std::vector<v1::Setting> source_settings_;     // of the [[source]] tables, for the other daemon
   // What the leader did to styles and the files thread repeats: what waits for room in the mailbox;
   // how much is in it; styles of the leader's among both; whether one failed since all was done.
