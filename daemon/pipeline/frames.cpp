@@ -1,5 +1,7 @@
 // A frame's path through the pipeline: the hot half of pipeline.h.
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "daemon/pipeline/pipeline.h"
 
@@ -14,6 +16,8 @@ constexpr std::int64_t kLongestPeriod_ns = kSecond_ns / 10;
 // What binding bodies may take of a turn while somebody performs: half of a frame's period at 120
 // Hz. One took 2.3 ms beside three builds.
 constexpr std::int64_t kBindingBudget_ns = kSecond_ns / 240;
+// Frames and bodies: a second of 64 performers at 60 Hz. What exceeds it is handled at once.
+constexpr std::size_t kMostPutOff = 4096;
 
 }  // namespace
 
@@ -47,6 +51,11 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
       AcceptBody(source, frames[i]);
       binding_ns_ += to_.clock.Now_ns() - begin_ns;
     } else {
+      if (!put_off_.empty() && WaitsForBody(source, frames[i].performer)) {
+        StyleAccepted(hot);
+        outcomes_[i].put_off = PutOffFrame(source, frames[i]);
+        if (outcomes_[i].put_off) continue;
+      }
       hot.Enter();
       AcceptFrame(source, items_[i], static_cast<int>(i), more_waiting, hot);
     }
@@ -382,31 +391,38 @@ bool Pipeline::PutsOff(int source, const source::SourceFrame& body) {
   const bool binds = performer == nullptr || !performer->binding().has_body() ||
                      body.body_crc != performer->binding().crc();
   if (!binds) return false;
-  const auto same = std::ranges::find_if(put_off_, [&](const auto& other) {
-    return other->source == source && other->frame.performer == body.performer;
-  });
-  if (same != put_off_.end()) {  // the newest is bound
-    (*same)->frame = (*same)->memory.Keep(body);
-    return true;
-  }
+  if (WaitsForBody(source, body.performer)) return PutOffFrame(source, body);
   const bool keeps_waiting = std::ranges::any_of(
       roster_.performers, [](const auto& other) { return other->admission.live(); });
   if (binding_ns_ <= kBindingBudget_ns || !keeps_waiting) return false;
-  const auto most = static_cast<std::size_t>(roster_.config().performers.max_performers);
-  if (put_off_.size() >= most) return false;
+  return PutOffFrame(source, body);
+}
+
+// A performer's frames come behind their body, and are not lost.
+bool Pipeline::WaitsForBody(int source, std::string_view performer) const noexcept {
+  return std::ranges::any_of(put_off_, [&](const auto& waiting) {
+    return waiting->source == source && waiting->frame.performer == performer;
+  });
+}
+
+bool Pipeline::PutOffFrame(int source, const source::SourceFrame& frame) {
+  if (put_off_.size() >= kMostPutOff) return false;
   put_off_.push_back(std::make_unique<PutOff>());
   put_off_.back()->source = source;
-  put_off_.back()->frame = put_off_.back()->memory.Keep(body);
+  put_off_.back()->frame = put_off_.back()->memory.Keep(frame);
   return true;
 }
 
 int Pipeline::DoPutOff() {
   int work = 0;
-  for (binding_ns_ = 0; !put_off_.empty() && binding_ns_ <= kBindingBudget_ns; ++work) {
-    const std::unique_ptr<PutOff> body = std::move(put_off_.front());
-    put_off_.pop_front();
-    OnFrames(body->source, {&body->frame, 1}, false);
+  auto waiting = std::exchange(put_off_, {});
+  for (binding_ns_ = 0; !waiting.empty() && binding_ns_ <= kBindingBudget_ns; ++work) {
+    const std::unique_ptr<PutOff> next = std::move(waiting.front());
+    waiting.pop_front();
+    OnFrames(next->source, {&next->frame, 1}, false);
   }
+  std::ranges::move(put_off_, std::back_inserter(waiting));
+  put_off_ = std::move(waiting);
   return work;
 }
 

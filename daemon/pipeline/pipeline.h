@@ -84,7 +84,7 @@ class Pipeline final : public Worker, public source::Receiver {
     std::int64_t sent_ns = 0;        // when its last topic was sent; 0: not sent
   };
 
-  // A body whose binding waits for a later turn.
+  // A body whose binding waits for a later turn, or a frame behind it.
   struct PutOff {
     int source = 0;
     source::SourceFrame frame;
@@ -155,6 +155,8 @@ class Pipeline final : public Worker, public source::Receiver {
                    runtime::HotSection& hot);
   void AcceptLayerBody(FingerLayer& fingers, int source, const source::SourceFrame& body);
   bool PutsOff(int source, const source::SourceFrame& body);
+  bool WaitsForBody(int source, std::string_view performer) const noexcept;
+  bool PutOffFrame(int source, const source::SourceFrame& frame);
   int DoPutOff();
   void AcceptBody(int source, const source::SourceFrame& body);
   void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
