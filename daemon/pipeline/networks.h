@@ -36,8 +36,7 @@ struct Networks {
 
 // Reads and tries them (model/trial). Where weights run whose bytes have the CRC-32C `running_crc`
 // and these have it too, nothing is tried again: `network` is null then, and what is known by it is
-// not set. Blocks and allocates;
-// start-up and reload only. Errors name the file.
+// not set. Blocks and allocates; start-up and reload only. Errors name the file.
 Result<Networks> ReadNetworks(const config::Model& model, std::optional<std::uint32_t> running_crc);
 
 }  // namespace styled::pipeline
