@@ -97,17 +97,17 @@ void StalledSubscribers::Look(std::vector<std::string>& fresh,
 void StalledSubscribers::Judge(std::vector<std::string> stalled, std::vector<std::string>& fresh,
                                std::vector<std::string>& recovered) {
   for (const std::string& address : stalled) {
-    if (!Contains(last_, address) || Contains(told_, address)) continue;
-    told_.push_back(address);
+    if (!Contains(last_, address) || Contains(stalled_, address)) continue;
+    stalled_.push_back(address);
     fresh.push_back(address);
   }
-  for (auto it = told_.begin(); it != told_.end();) {
+  for (auto it = stalled_.begin(); it != stalled_.end();) {
     if (Contains(stalled, *it) || Contains(last_, *it)) {
       ++it;
       continue;
     }
     recovered.push_back(*it);
-    it = told_.erase(it);
+    it = stalled_.erase(it);
   }
   last_ = std::move(stalled);
 }

@@ -25,12 +25,12 @@ class StalledSubscribers {
   // For tests: the same of given tables.
   void Judge(std::vector<std::string> stalled, std::vector<std::string>& fresh,
              std::vector<std::string>& recovered);
-  std::size_t count() const { return told_.size(); }
+  std::size_t count() const { return stalled_.size(); }
 
  private:
   std::uint16_t port_ = 0;
-  std::vector<std::string> last_;  // of the last look: a short pause is none
-  std::vector<std::string> told_;
+  std::vector<std::string> last_;     // at the last look: one look alone may see a short pause
+  std::vector<std::string> stalled_;  // at two looks in a row, and reported
 };
 
 }  // namespace styled::publish

@@ -79,7 +79,7 @@ class Character {
   Order Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
   bool Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns, Outbox& out);
   void SayIncomplete(std::int64_t now_ns, Outbox& out);
-  void SayWhatIsMissing(Outbox& out);
+  void ReportMissingInput(Outbox& out);
   void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
   void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
   // Props are between the body and the fingers.
@@ -215,7 +215,7 @@ void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
 }
 
 // Once a character: it plays without, named after the source, with the bones of its first pose.
-void Character::SayWhatIsMissing(Outbox& out) {
+void Character::ReportMissingInput(Outbox& out) {
   out.Note([&] {
     return "character " + std::to_string(id_) + " sends " +
            (called_.empty() && !has_scale_ ? "neither name (type 12) nor T-pose (type 13)"
@@ -274,7 +274,7 @@ void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const
     }
     out.LeaveHotSection();
     stream_.emplace(performer(*this));
-    if (called_.empty() || !has_scale_) SayWhatIsMissing(out);
+    if (called_.empty() || !has_scale_) ReportMissingInput(out);
   }
   const bool fingers = header.finger_segments == 2 * kHandSegments;
   if (!stream_->has_body() || header.type != type_ ||
