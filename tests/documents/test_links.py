@@ -96,12 +96,23 @@ def read(file):
         return text.read()
 
 
+def is_markdown(page):
+    """Whether it begins with a title, and its headings are headings."""
+    text = re.sub(r'^```.*?^```', '', page, flags=re.MULTILINE | re.DOTALL)
+    return text.startswith('# ') and not re.search(r'^ *#+[A-Za-z]|^ +##', text, re.MULTILINE)
+
+
 class LinksTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.tree = Tree(tracked())
         cls.pages = sorted(file for file in cls.tree.files if file.endswith('.md'))
         cls.sources = sorted(file for file in cls.tree.files if file.endswith(SOURCES))
+
+    def test_pages_are_markdown(self):
+        self.assertEqual([], [page for page in self.pages if not is_markdown(read(page))])
+        self.assertFalse(is_markdown('#A title\n'), 'a formatter of code has gone over it')
+        self.assertFalse(is_markdown('# A title\n   ##Another\n'))
 
     def test_links_lead_to_files_and_headings(self):
         self.assertGreater(len(self.pages), 15)
