@@ -327,10 +327,11 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
     *out_.mutable_setup() = setup_;
     setup_said_ns_ = sent_ns;
   }
-  if (const std::size_t bytes = out_.ByteSizeLong(); bytes > channel_->max_bytes()) {
-    NameTooLarge(bytes);
+  out_.SerializeToString(&bytes_);  // which measures it
+  if (bytes_.size() > channel_->max_bytes()) {
+    NameTooLarge(bytes_.size());
+    out_.SerializeToString(&bytes_);
   }
-  out_.SerializeToString(&bytes_);
   channel_->Send(std::as_bytes(std::span(bytes_)));
   said_ns_ = sent_ns;
 }
