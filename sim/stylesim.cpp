@@ -248,9 +248,11 @@ int Play(const Arguments& a, const std::vector<std::string>& to, rigs::Rig* serv
     const Status address = player::CheckAddress(one, server != nullptr ? 0 : 1);
     if (!address.ok()) return RefuseArguments(address);
   }
-  const auto on_failure = [](const std::string& url, const std::string& why) {
-    std::fprintf(stderr, "stylesim: %s: %s; sending to the others goes on\n", url.c_str(),
-                 why.c_str());
+  const auto say_goes_on = [](const std::string& failure) {
+    std::fprintf(stderr, "stylesim: %s; sending to the others goes on\n", failure.c_str());
+  };
+  const auto on_failure = [say_goes_on](const std::string& url, const std::string& why) {
+    say_goes_on(url + ": " + why);
   };
   std::vector<player::NamedLink> links;
   Status failure = Status::Ok();
@@ -262,7 +264,7 @@ int Play(const Arguments& a, const std::vector<std::string>& to, rigs::Rig* serv
       continue;
     }
     failure = link.status();
-    if (to.size() > 1) on_failure(one, failure.message().substr(one.size() + 2));
+    if (to.size() > 1) say_goes_on(failure.message());
   }
   if (links.empty()) return Fail(failure);
   const auto link = links.size() == 1 ? std::move(links.front().link)

@@ -223,7 +223,7 @@ std::vector<RequestAttack> RequestAttacks() {
          for (int i = 0; i < 1'000'000; ++i) request.mutable_like()->add_code(1);
          return request;
        }},
-      {"like", "AMinuteOfThePerformer",
+      {"like", "ASecondOfThePerformer",
        [](const Loot&) {
          v1::Request request = Of("rig.victim");
          request.mutable_like()->set_name("attack");
@@ -256,7 +256,11 @@ std::vector<RequestAttack> RequestAttacks() {
       {"import_style", "AFileOfDeepJson",
        [](const Loot&) { return Import(Times(500'000, "{\"a\":") + "1" + Times(500'000, "}")); }},
       {"import_style", "AFileOfOtherWeights",
-       [](const Loot& loot) { return ImportWith(loot, R"("weights":"fnv1a64:0",)"); }},
+       [](const Loot& loot) {
+         std::string file = loot.style_file;
+         file.replace(file.find("\"crc32c:"), 9, "\"crc32c:x");  // instead of the first digit
+         return Import(file);
+       }},
       {"rename_style", "ToALongName",
        [=](const Loot&) {
          v1::Request request;

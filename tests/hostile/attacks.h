@@ -9,8 +9,9 @@
 #include "proto/styled/v1/control.pb.h"
 #include "tests/support/daemon.h"
 
-// What is sent to the daemon to harm it: a row for each command, format and rig. A command of
-// control.proto or a rig of proto/rigs/types.h without a row fails tables_test.cpp.
+// Requests that are sent to the daemon to harm it, at least one for each command: a command of
+// control.proto without a row fails tables_test.cpp. The rows of rigs are those of
+// proto/rigs/types.h (rigs_test.cpp), those of files are in files_test.cpp.
 namespace styled::hostile {
 
 // What an attacker who is admitted can get: true data to start from.
@@ -28,7 +29,7 @@ struct RequestAttack {
 inline void PrintTo(const RequestAttack& attack, std::ostream* out) { *out << attack.name; }
 std::vector<RequestAttack> RequestAttacks();
 
-// A BVH text of the canonical skeleton's size and `bytes` bytes: `frames` copies of one frame.
+// A BVH text of a walk's skeleton and at most `bytes` bytes: 30 s of copies of one frame.
 std::string LargeBvh(std::size_t bytes);
 // A glTF binary of a JSON chunk alone.
 std::string Glb(const std::string& json);

@@ -1,5 +1,4 @@
-// Every command and every rig has a row among the attacks: a new one is attacked from its first
-// day.
+// Every command has a row among the attacks: a new one is attacked from its first day.
 #include <gtest/gtest.h>
 
 #include <regex>
