@@ -50,7 +50,7 @@ bool Values::Fail(natsStatus status) {
   std::string what =
       "the bucket '" + std::string(kBucket) + "' cannot be read: " + natsStatus_GetText(status);
   if (detail != nullptr && *detail != '\0') what += std::string(" (") + detail + ")";
-  // What a user may not ask is dropped by the broker: the asker only sees that nobody answers.
+  // The broker drops a request that its user has no permission for: it looks like no answer.
   const char* refused = nullptr;
   natsConnection_GetLastError(link_.get(), &refused);
   if (refused != nullptr && *refused != '\0') what += std::string("; the broker says: ") + refused;

@@ -23,8 +23,8 @@ inline constexpr std::uint64_t kDaemonBytes = std::uint64_t{160} << 20;
 inline constexpr std::uint64_t kPerformerBytes = std::uint64_t{2} << 20;
 
 // The smallest memory limit of the process's control groups (systemd's MemoryMax=), in bytes;
-// nothing if there is none, or if they cannot be read. `cgroups`: the file that lists them; `root`:
-// the folder at which they are mounted.
+// nullopt if there is none, or if the groups cannot be read. `cgroups`: the file that lists them;
+// `root`: the folder at which they are mounted.
 std::optional<std::uint64_t> MemoryLimit(const std::string& cgroups = "/proc/self/cgroup",
                                          const std::string& root = "/sys/fs/cgroup");
 // A warning for the log if so many performers do not fit into the limit; "" if they do.

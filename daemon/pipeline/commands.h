@@ -18,7 +18,8 @@ class Commands {
   // Fills the reply's code, reason and result. Returns false for GetStatus, which the pipeline
   // answers.
   bool Apply(const v1::Request& request, v1::Reply& reply);
-  // The rest of a Like whose style the files thread has made: the performers whom it names wear it.
+  // Does the rest of a Like after the files thread has made the style: gives it to the performers
+  // that the request names.
   // Nothing for other requests.
   void Show(const v1::Request& request, v1::Reply& reply);
   // The part of RenameStyle and RemoveStyle that is the looks': of performers, live or not, and of

@@ -98,8 +98,8 @@ void Pipeline::FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoint)
     request.mutable_take_checkpoint();
     v1::Reply reply;
     Answer(request, reply);
-    // A performer who is gone, or waits for a calibration, has no checkpoint: the name alone is
-    // sent.
+    // There is no checkpoint of a performer who is gone or not calibrated yet: the message then has
+    // their name alone.
     if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
   }
   checkpoint.set_performer(id);

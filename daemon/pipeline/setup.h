@@ -7,7 +7,7 @@
 #include "proto/styled/v1/journal.pb.h"
 
 // What a daemon of a pair tells the other one of its configuration ([standby]): all that decides
-// how poses come out, and whom it styles. What may differ between two machines is not in it:
+// the poses and which performers are styled. What may differ between two machines is not in it:
 // addresses, interfaces, serial numbers, limits of sockets, folders. Long values are hashes
 // (placing.h). Start and reload only; allocates. Pinned by tests/unit/standby/setup_test.cpp.
 namespace styled::pipeline {

@@ -17,8 +17,8 @@ namespace styled::publish {
 // "source/" and "stats/". Its queue holds twice high_water_mark: one is any subscriber's, and as
 // much lies in the buffers of a connection. What it misses, every subscriber of as much has missed:
 // the process had no time to empty its queues, or more was published at once than they hold. What
-// another one misses because it does not read by itself is not seen here. It asks for nothing:
-// topics that nobody else subscribes to stay unpublished.
+// another one misses because it is slow itself is not seen here. Its subscription does not make the
+// pipeline publish a topic.
 class Canary {
  public:
   // Connects to `publisher`, an XPUB socket with ZMQ_SNDHWM `high_water_mark` that is not bound yet

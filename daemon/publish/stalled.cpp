@@ -54,7 +54,7 @@ bool Contains(const std::vector<std::string>& all, const std::string& one) {
 std::vector<std::string> FindStalled(std::string_view table, std::uint16_t port) {
   constexpr std::string_view kEstablished = "01";
   constexpr unsigned kWindowProbe = 4;  // the timer that runs while the window is closed
-  constexpr unsigned kRepetitions = 3;  // after which no answer means that nobody is there
+  constexpr unsigned kRepetitions = 3;  // unanswered: the other machine is gone
   std::vector<std::string> stalled;
   std::istringstream lines{std::string(table)};
   for (std::string line; std::getline(lines, line);) {

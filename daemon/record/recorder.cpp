@@ -114,8 +114,8 @@ std::string Recorder::Check(runtime::Counters& counters) {
                 ": less than record.min_free_mb = " + std::to_string(min_free_bytes_ / kMiB) +
                 " is free there; recording pauses";
   }
-  if (complaint == said_) return "";
-  said_ = complaint;
+  if (complaint == last_complaint_) return "";
+  last_complaint_ = complaint;
   if (!complaint.empty()) counters.Add(runtime::Counter::kRecordFailures);
   return complaint;
 }

@@ -71,7 +71,7 @@ class Recorder {
   std::unique_ptr<recording::RecordingThread> thread_;
   std::atomic<bool> paused_{false};  // the disk is too full
   std::atomic<std::uint64_t> skipped_{0};
-  std::string said_;  // the last complaint; files thread
+  std::string last_complaint_;  // files thread
 };
 
 // The file name that record.file gives at time `unix_s`: strftime's conversions are replaced, in

@@ -27,8 +27,8 @@ class Channel {
   // At most max_bytes() at once.
   virtual void Send(std::span<const std::byte> message) noexcept = 0;
   virtual std::size_t max_bytes() const { return kMaxMessageBytes; }
-  // The next message from the other daemon's address; false when there is none. Whoever is there
-  // may have sent it.
+  // The next message from the other daemon's address; false when there is none. It may come from
+  // any program there.
   virtual bool Receive(std::string& message) = 0;
   // The next of the subscriptions to this daemon's messages. One begins when the other daemon
   // connects, and when it asks for everything anew; anybody else may subscribe, too.
