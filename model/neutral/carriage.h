@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "model/base/checkpoint.h"
+#include "model/base/realtime.h"
+#include "model/body/pose.h"
+
+namespace styled::neutral {
+
+// How somebody holds their body: the mean rotation of each joint of the canonical humanoid against
+// its parent, the hips' against the body's heading (body::Heading_rad). Unit quaternions; identity
+// is the T-pose.
+struct Carriage {
+  std::array<body::Quat, body::kJointCount> rotations;
+
+  Carriage() { rotations.fill(body::Quat::Identity()); }
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(rotations); }
+  friend bool operator==(const Carriage& a, const Carriage& b) {
+    return std::ranges::equal(a.rotations, b.rotations, [](const auto& one, const auto& other) {
+      return one.coeffs() == other.coeffs();
+    });
+  }
+};
+
+// The carriage of the performers that a network was trained on, in its neutral style, while they
+// stand with hanging arms, walk and run. Symmetric, since training mirrors clips. And the mean
+// speeds at which they walk and run, canonical metres per second, which tell the one from the
+// other; the defaults are those of most people. Weights files carry the carriages
+// (model/net/FORMAT.md) and the speeds, as neutral's.
+struct Reference {
+  Carriage standing, walking, running;
+  float walk_mps = 1.2F, run_mps = 2.8F;
+};
+
+}  // namespace styled::neutral

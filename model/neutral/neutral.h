@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "model/base/checkpoint.h"
+#include "model/base/realtime.h"
+#include "model/body/pose.h"
+#include "model/neutral/carriage.h"
+
+namespace styled::neutral {
+
+// How much one pose tells of a carriage. It is ordinary where the body is upright and on straight
+// legs and both upper arms hang; in standing, where the forearms hang, too, and the feet are not
+// far apart.
+struct Ordinary {
+  float heading_rad = 0;              // body::Heading_rad
+  float moving = 0, running = 0;      // 0 stands, 1 walks or runs; 0 walks, 1 runs
+  float body = 0;                     // 0 .. 1
+  float left_arm = 0, right_arm = 0;  // 0 .. 1, at most `body`
+
+  STYLED_REALTIME float Of(int joint) const noexcept;  // of the three, that of the joint's part
+};
+// Judges a pose, canonical and finite, by its shape and by the hips' speed over the floor,
+// smoothed. Pure.
+STYLED_REALTIME Ordinary JudgeOrdinary(const body::Pose& pose, float speed_mps,
+                                       const Reference& reference) noexcept;
+
+// What is known of a performer, whatever network there is: to be kept over a restart.
+struct Known {
+  Carriage own;             // how they walk, the reference's own way for what was not learned
+  float body_s = 0;         // seconds of ordinary standing and moving that it was learned from,
+  float arms_s = 0;         // and of hanging arms: 0 .. tuning::kRemembered_s
+  bool calibrated = false;  // it was shown on purpose, and nothing more is learned
+
+  friend bool operator==(const Known&, const Known&) = default;
+};
+
+// The performer's neutral: by how much the way in which this performer and this rig hold each joint
+// differs from that of the performers whom a network knows. It is learned while they stand, walk
+// and run, and is taken out of the poses that the network sees. Nothing has to be put back: the
+// change of style turns the performer's own pose.
+//
+// For joint j with local rotation q_j and the reference's mean M_j (standing, walking or running,
+// by speed), the turn C_j is the running mean of M_j q_j^-1, so the network sees C_j q_j; the hips'
+// in the frame of the heading. A frame counts by how ordinary it is, so an act is not taken for a
+// carriage. No joint's turn exceeds a bound of its class (tuning.h).
+//
+// Value type of fixed size, no allocation; one thread at a time. Time is the sum of `dt_s`.
+// Mathematics: model/README.md, 1. Pinned by tests/unit/neutral/neutral_test.cpp.
+class Neutral {
+ public:
+  // Looks at one frame, `dt_s` after the one before (0: the first): canonical, finite. `learns`:
+  // false for a performer who is not in neutral (an input style), of whom nothing is learned.
+  STYLED_REALTIME void Follow(const body::Pose& input, float dt_s, bool learns,
+                              const Reference& reference) noexcept;
+
+  // Writes `input`, the pose last followed, as the reference's performer would hold it. `out` may
+  // be `input`. The hips' place stays.
+  STYLED_REALTIME void TakeOut(const body::Pose& input, body::Pose& out) const noexcept;
+
+  // How much of what there is to learn is known, 0 .. 1: the share of the performer in the mean, of
+  // the body without the arms.
+  float learned() const;
+  // As in Known.
+  float body_s() const { return seconds_[kBody]; }
+  float arms_s() const { return seconds_[kArms]; }
+  bool calibrated() const { return calibrated_; }
+  // Seconds until a calibration ends; 0: there is none.
+  float calibrates_s() const { return calibrates_s_; }
+  // The turns that are in effect; identity where nothing was learned.
+  const Carriage& turns() const { return used_; }
+
+  // Learns anew for `seconds`, from what the performer shows now. Then nothing more is learned, if
+  // enough was ordinary (tuning::kEnough_s); if not, it goes on as without.
+  STYLED_REALTIME void Calibrate(float seconds) noexcept;
+  // Forgets what was learned and calibrated; it fades out, and is learned anew.
+  STYLED_REALTIME void Forget() noexcept;
+
+  // What is known, and its use for another network or by another stylist: at once, without a fade.
+  STYLED_REALTIME Known Tell(const Reference& reference) const noexcept;
+  STYLED_REALTIME void Know(const Known& known, const Reference& reference) noexcept;
+  // See model/base/checkpoint.h.
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
+
+ private:
+  enum Class : std::uint8_t { kBody, kArms };
+  float Speed_mps(const body::Vec3& hips_m, float dt_s) noexcept;
+  void Learn(const body::Pose& input, const Ordinary& ordinary, float dt_s,
+             const Reference& reference) noexcept;
+
+  Carriage learned_, used_;
+  std::array<float, 2> seconds_{};  // by Class
+  bool calibrated_ = false;
+  float calibrates_s_ = 0;
+  float heading_rad_ = 0;  // of the pose last followed
+  body::Vec3 last_hips_m_ = body::Vec3::Zero(), velocity_mps_ = body::Vec3::Zero();  // horizontal
+  float seen_ = 0;  // 0 .. 1: the share of the velocity's average that has been filled
+  bool placed_ = false;
+};
+
+}  // namespace styled::neutral
