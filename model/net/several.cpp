@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "model/base/smooth.h"
@@ -19,11 +20,22 @@ struct Place {
   int number = 0;
 };
 
+// The turns that make the carriage of one network's performers that of another's.
+using Turns = std::array<body::Quat, body::kJointCount>;
+
+// The hips are left as they are: theirs is against a heading that each family finds by itself.
+void Turn(const Turns& turns, std::array<body::Quat, body::kJointCount>& rotations) noexcept {
+  for (std::size_t joint = 1; joint < turns.size(); ++joint) {
+    rotations[joint] = (turns[joint] * rotations[joint]).normalized();
+  }
+}
+
 // One network's part of a stream.
 struct Part {
   std::unique_ptr<Stream> stream;
-  int awake = 0;  // steps that it still goes on; 0: it does not work
-  int steps = 0;  // since it began to work, at most kWakeSteps
+  body::Pose pose;  // the input with the carriage that this network knows
+  int awake = 0;    // steps that it still goes on; 0: it does not work
+  int steps = 0;    // since it began to work, at most kWakeSteps
   Prediction out;
 };
 
@@ -95,6 +107,7 @@ class Several final : public Stylizer {
     stay_awake_ = static_cast<int>(kStayAwake_s * networks_.front().network->model().rate_hz);
     ListStyles();
     FindSame();
+    FindTurns();
     for (std::size_t n = 0; n < networks_.size() && !space_; ++n) {
       const StyleSpace* const inner = networks_[n].network->space();
       if (inner == nullptr) continue;
@@ -189,6 +202,7 @@ class Several final : public Stylizer {
         model_(other.model_),
         places_(other.places_),
         same_(other.same_),
+        turns_(other.turns_),
         examples_(other.examples_),
         space_(other.space_),
         stay_awake_(other.stay_awake_) {}
@@ -233,6 +247,24 @@ class Several final : public Stylizer {
         same[n] = own ? places_[s].number
                       : std::max(0, FindStyle(networks_[n].network->model().styles,
                                               model_.styles[s].original));
+      }
+    }
+  }
+
+  // Poses come with the carriage of the first network that knows one.
+  void FindTurns() {
+    turns_.resize(networks_.size());
+    for (const NamedNetwork& named : networks_) {
+      const auto& reference = named.network->model().reference;
+      if (!model_.reference) model_.reference = reference;
+    }
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      const auto& own = networks_[n].network->model().reference;
+      if (!own || own->walking == model_.reference->walking) continue;
+      turns_[n].emplace();
+      for (std::size_t joint = 0; joint < turns_[n]->size(); ++joint) {
+        (*turns_[n])[joint] =
+            own->walking.rotations[joint] * model_.reference->walking.rotations[joint].conjugate();
       }
     }
   }
@@ -289,7 +321,13 @@ class Several final : public Stylizer {
         if (part.awake == 0) continue;
         const Share& share = shares[j][n];
         const auto input = static_cast<std::size_t>(std::max(0, jobs[j].input_style));
-        theirs[count++] = {jobs[j].pose,
+        const body::Pose* pose = jobs[j].pose;
+        if (turns_[n]) {
+          part.pose = *pose;
+          Turn(*turns_[n], part.pose.rotations);
+          pose = &part.pose;
+        }
+        theirs[count++] = {pose,
                            input < same_.size() ? same_[input][n] : 0,
                            std::span(share.styles).first(share.count),
                            part.stream.get(),
@@ -297,10 +335,23 @@ class Several final : public Stylizer {
                            jobs[j].variations};
       }
       if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
+      if (turns_[n]) TurnBack(jobs, n);
     }
     for (std::size_t j = 0; j < jobs.size(); ++j) {
       Join(static_cast<const Parts&>(*jobs[j].stream), shares[j], Home(jobs[j].input_style),
            *jobs[j].out);
+    }
+  }
+
+  // Predictions are of the pose that was given. The change of style stays the same.
+  void TurnBack(std::span<const StepJob> jobs, std::size_t network) const noexcept {
+    Turns back = *turns_[network];
+    for (body::Quat& turn : back) turn = turn.conjugate();
+    for (const StepJob& job : jobs) {
+      Part& part = static_cast<Parts&>(*job.stream).parts[network];
+      if (part.awake == 0) continue;
+      Turn(back, part.out.reconstruction.rotations);
+      Turn(back, part.out.styled.rotations);
     }
   }
 
@@ -343,9 +394,10 @@ class Several final : public Stylizer {
 
   std::vector<NamedNetwork> networks_;
   Model model_;
-  std::vector<Place> places_;           // of model_.styles
-  std::vector<std::vector<int>> same_;  // of each style, the networks' styles of that name
-  std::size_t examples_ = 0;            // the network that has the space
+  std::vector<Place> places_;                // of model_.styles
+  std::vector<std::vector<int>> same_;       // of each style, the networks' styles of that name
+  std::vector<std::optional<Turns>> turns_;  // by network; none: its carriage is model_'s
+  std::size_t examples_ = 0;                 // the network that has the space
   std::shared_ptr<const Space> space_;
   int stay_awake_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "model/body/pose.h"
 #include "model/net/style_space.h"
 #include "model/net/styles.h"
+#include "model/neutral/carriage.h"
 
 // The interface of every style network to the rest of the program. Input: poses of the canonical
 // humanoid; output: rotations, at the network's own rate. Features, filters and recurrent state
@@ -23,6 +25,9 @@ struct Model {
   std::string family;  // "style-erd", "constant-offset"
   Styles styles;
   float rate_hz = 30.0F;  // the rate at which every stream is stepped; > 0
+  // The performers that it was trained on, for the performer's neutral; files of before version 3
+  // and of families that need none have none.
+  std::optional<neutral::Reference> reference;
   std::string licence;
   std::string training;  // JSON text; informative
 };

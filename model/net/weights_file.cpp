@@ -109,16 +109,69 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
   }
 }
 
+// The carriage under `key` of `object`: for each joint x, y, z, w of a rotation.
+neutral::Carriage ReadCarriage(const json& object, const std::string& key, Faults& faults) {
+  constexpr std::size_t kNumbers = 4 * static_cast<std::size_t>(body::kJointCount);
+  constexpr double kTolerance = 1e-3;  // of a unit quaternion's length
+  neutral::Carriage carriage;
+  const std::string place = "reference." + key;
+  const std::string expected = std::to_string(kNumbers) + " numbers, a unit quaternion per joint";
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array() || found->size() != kNumbers ||
+      !std::all_of(found->begin(), found->end(), [](const json& n) { return n.is_number(); })) {
+    faults.Key(place, expected, found == object.end() ? "none" : Shown(*found));
+    return carriage;
+  }
+  for (std::size_t joint = 0; joint < carriage.rotations.size(); ++joint) {
+    const auto number = [&](std::size_t i) { return (*found)[4 * joint + i].get<float>(); };
+    const body::Quat rotation(number(3), number(0), number(1), number(2));
+    if (!(std::abs(static_cast<double>(rotation.norm()) - 1) <= kTolerance)) {
+      faults.Key(place, expected,
+                 std::string(body::kHumanoid[joint].name) + " of length " +
+                     std::to_string(rotation.norm()));
+      return carriage;
+    }
+    carriage.rotations[joint] = rotation.normalized();
+  }
+  return carriage;
+}
+
+// Of the performers that the network was trained on: optional, and their speeds are neutral's.
+void ReadReference(const json& object, Model& model, Faults& faults) {
+  const auto found = object.find("reference");
+  if (found == object.end()) return;
+  if (!found->is_object()) {
+    faults.Key("reference", "an object", Shown(*found));
+    return;
+  }
+  neutral::Reference& reference = model.reference.emplace();
+  reference.standing = ReadCarriage(*found, "standing", faults);
+  reference.walking = ReadCarriage(*found, "walking", faults);
+  reference.running = ReadCarriage(*found, "running", faults);
+  if (model.styles.empty()) return;
+  if (model.styles[0].walk_mps > 0) reference.walk_mps = model.styles[0].walk_mps;
+  if (model.styles[0].run_mps > 0) reference.run_mps = model.styles[0].run_mps;
+}
+
+json CarriageAsJson(const neutral::Carriage& carriage) {
+  json numbers = json::array();
+  for (const body::Quat& rotation : carriage.rotations) {
+    for (const float number : rotation.coeffs()) numbers.push_back(number);
+  }
+  return numbers;
+}
+
 // Reads the family. Files of version 1 are older than the families and are all Style-ERD.
 void ReadFamily(const json& object, std::string& family, Faults& faults) {
   const json* const version = FindKey(object, "version", faults);
   if (version == nullptr) return;
   if (*version == json(1U) && version->is_number_integer()) {
     family = kStyleErd;
-  } else if (*version == json(2U) && version->is_number_integer()) {
+  } else if ((*version == json(2U) || *version == json(kWeightsVersion)) &&
+             version->is_number_integer()) {
     family = ReadString(object, "family", faults);
   } else {
-    faults.Key("version", "1 or 2", Shown(*version));
+    faults.Key("version", "1 to 3", Shown(*version));
   }
 }
 
@@ -133,6 +186,7 @@ void ReadModel(const json& object, Model& model, Faults& faults) {
   ReadFamily(object, model.family, faults);
   ExpectEqual(object, "humanoid_hash", HumanoidHash(), faults);
   ReadStyles(object, model.styles, faults);
+  ReadReference(object, model, faults);
   model.rate_hz = ReadNumber(object, "rate_hz", {0, kMaxRate_hz, false}, faults);
   model.licence = ReadString(object, "licence", faults);
   if (const json* training = FindKey(object, "training", faults)) {
@@ -213,6 +267,12 @@ Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::st
   return file;
 }
 
+json AsJson(const neutral::Reference& reference) {
+  return {{"standing", CarriageAsJson(reference.standing)},
+          {"walking", CarriageAsJson(reference.walking)},
+          {"running", CarriageAsJson(reference.running)}};
+}
+
 json HeaderOf(const Model& model) {
   json styles = json::array();
   for (const StyleInfo& style : model.styles) {
@@ -223,13 +283,15 @@ json HeaderOf(const Model& model) {
     }
   }
   const json training = json::parse(model.training, nullptr, /*allow_exceptions=*/false);
-  return {{"version", 2},
-          {"family", model.family},
-          {"humanoid_hash", HumanoidHash()},
-          {"styles", styles},
-          {"rate_hz", model.rate_hz},
-          {"licence", model.licence},
-          {"training", training.is_object() ? training : json::object()}};
+  json header = {{"version", kWeightsVersion},
+                 {"family", model.family},
+                 {"humanoid_hash", HumanoidHash()},
+                 {"styles", styles},
+                 {"rate_hz", model.rate_hz},
+                 {"licence", model.licence},
+                 {"training", training.is_object() ? training : json::object()}};
+  if (model.reference) header["reference"] = AsJson(*model.reference);
+  return header;
 }
 
 RowMajor TensorReader::Matrix(const std::string& name, int rows, int columns) {

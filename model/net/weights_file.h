@@ -37,6 +37,8 @@ class Faults {
 // The families' names as written in a file.
 inline constexpr const char* kStyleErd = "style-erd";  // also every file of version 1
 
+inline constexpr unsigned kWeightsVersion = 3;  // of what is written
+
 // A file of any family, with its common keys read and checked.
 struct WeightsFile {
   std::string name;       // begins every error
@@ -49,6 +51,9 @@ struct WeightsFile {
 
 // Reads container and common keys. `bytes` must outlive the result.
 Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::string& name);
+
+// The value of the key "reference" (FORMAT.md).
+nlohmann::json AsJson(const neutral::Reference& reference);
 
 // The header of a file that holds `model`: the common keys, in the newest version.
 nlohmann::json HeaderOf(const Model& model);

@@ -86,6 +86,7 @@ class Fake final : public Stylizer {
     for (const StepJob& job : jobs) {
       EXPECT_GE(static_cast<FakeStream&>(*job.stream).since_start++, 0) << "not started";
       ++asked_->steps;
+      seen = *job.pose;
       asked_->input_style = job.input_style;
       asked_->variations.clear();
       for (const VariationWeight& one : job.variations) asked_->variations.push_back(one.variation);
@@ -108,7 +109,13 @@ class Fake final : public Stylizer {
     }
   }
 
+  // Its performers hold their spine so.
+  void KnowSpine(float rad) {
+    model_.reference.emplace().walking.rotations[body::kSpine] = body::Exp(body::Vec3(rad, 0, 0));
+  }
+
   float velocity = 0;
+  mutable body::Pose seen;  // of the last step
 
  private:
   std::shared_ptr<Fake> Copy() const {
@@ -187,6 +194,37 @@ TEST_F(SeveralTest, NetworksThatCannotWorkTogetherAreRefused) {
 }
 
 TEST_F(SeveralTest, OneNetworkIsItself) { EXPECT_EQ(Combine({{"v2", first}}).value(), first); }
+
+// Poses come with the carriage of the first network's performers; each network sees its own's.
+TEST_F(SeveralTest, EachNetworkSeesThePerformersThatItKnows) {
+  first->KnowSpine(0.1F);
+  second->KnowSpine(0.3F);
+  both = Combine({{"v2", first}, {"graph", second}}).value();
+  ASSERT_TRUE(both->model().reference);
+  stream = both->MakeStream();
+  both->Start(*stream);
+  pose.rotations[body::kSpine] = body::Exp(body::Vec3(0.1F, 0, 0));
+  const Prediction out = Step({{kPirate, 1}});
+  const auto spine = [](const auto& rotations) {
+    return static_cast<double>(body::Log(rotations[body::kSpine]).x());
+  };
+  EXPECT_NEAR(spine(second->seen.rotations), 0.3, 1e-5);
+  EXPECT_NEAR(spine(out.reconstruction.rotations), 0.1, 1e-5) << "of the pose that was given";
+  EXPECT_NEAR(Turn(out).y(), 0.3, 1e-5) << "the change of style is the same";
+  (void)Step({{kOld, 1}});
+  EXPECT_NEAR(spine(first->seen.rotations), 0.1, 1e-5);
+}
+
+TEST_F(SeveralTest, ANetworkWithoutAReferenceSeesThePoseAsItIs) {
+  first->KnowSpine(0.1F);
+  both = Combine({{"v2", first}, {"graph", second}}).value();
+  stream = both->MakeStream();
+  both->Start(*stream);
+  (void)Step({{kPirate, 1}});
+  for (std::size_t j = 0; j < body::kJointCount; ++j) {
+    EXPECT_EQ(second->seen.rotations[j].coeffs(), pose.rotations[j].coeffs());
+  }
+}
 
 TEST_F(SeveralTest, EachStyleIsListedOnceUnderANameOfItsOwn) {
   std::vector<std::string> names, models;

@@ -56,15 +56,41 @@ json Styles(const std::vector<std::string>& names) {
   return styles;
 }
 
+// Of each joint x, y, z of 0 and this w.
+json Turns(float w) {
+  json turns = json::array();
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    for (const float number : {0.0F, 0.0F, 0.0F, w}) turns.push_back(number);
+  }
+  return turns;
+}
+
 std::vector<Broken> BrokenFiles() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::vector<Broken> cases{
-      {"VersionThree", Set("version", 3), {"key 'version': expected 1 or 2, found 3"}},
-      {"VersionNegative", Set("version", -1), {"key 'version': expected 1 or 2, found -1"}},
+      {"VersionFour", Set("version", 4), {"key 'version': expected 1 to 3, found 4"}},
+      {"VersionNegative", Set("version", -1), {"key 'version': expected 1 to 3, found -1"}},
       {"FamilyNumber", Set("family", 1), {"key 'family': expected a string, found 1"}},
-      {"VersionText", Set("version", "1"), {"key 'version': expected 1 or 2, found \"1\""}},
-      {"VersionFraction", Set("version", 1.0), {"key 'version': expected 1 or 2, found 1.0"}},
+      {"VersionText", Set("version", "1"), {"key 'version': expected 1 to 3, found \"1\""}},
+      {"VersionFraction", Set("version", 1.0), {"key 'version': expected 1 to 3, found 1.0"}},
+      {"ReferenceText",
+       Set("reference", "T-pose"),
+       {"key 'reference': expected an object, found \"T-pose\""}},
+      {"ReferenceOfOneGait",
+       Set("reference", {{"walking", Turns(1)}}),
+       {"key 'reference.standing': expected 84 numbers, a unit quaternion per joint, found none"}},
+      {"ReferenceTooShort",
+       Set("reference", {{"standing", {0, 0, 0, 1}}, {"walking", Turns(1)}, {"running", Turns(1)}}),
+       {"key 'reference.standing': expected 84 numbers"}},
+      {"ReferenceOfText",
+       Set("reference",
+           {{"standing", json::array({"a"})}, {"walking", Turns(1)}, {"running", Turns(1)}}),
+       {"key 'reference.standing': expected 84 numbers"}},
+      {"ReferenceOfNoRotations",
+       Set("reference", {{"standing", Turns(1)}, {"walking", Turns(2)}, {"running", Turns(1)}}),
+       {"key 'reference.walking': expected 84 numbers, a unit quaternion per joint, found hips of "
+        "length 2.0"}},
       {"OtherHumanoid",
        Set("humanoid_hash", "0123456789abcdef"),
        {"key 'humanoid_hash': expected \"", "found \"0123456789abcdef\""}},
