@@ -17,6 +17,7 @@
 #include "model/train/blas.h"
 #include "model/train/check.h"
 #include "model/train/erd/recipe.h"
+#include "model/train/judge/judge_reference.h"
 #include "model/train/judge/judge_speeds.h"
 #include "model/train/judge/judge_validation.h"
 #include "model/train/measure.h"
@@ -74,8 +75,9 @@ struct Flags {
   std::string family;
   std::vector<std::string> export_paths;
   std::string speeds;  // weights that get the speeds of the manifest's styles; nothing is trained
-  std::string judges;  // folder of cached judges; empty: the run is not judged
-  bool check = false;  // nothing is trained
+  std::string reference;  // weights that get how the manifest's performers stand and walk
+  std::string judges;     // folder of cached judges; empty: the run is not judged
+  bool check = false;     // nothing is trained
 };
 
 void AddRunFlags(CLI::App& app, Flags& flags) {
@@ -141,14 +143,21 @@ void AddFlags(CLI::App& app, Flags& flags) {
                      "FILE: measure how fast each style of --manifest walks and runs, and how many "
                      "steps a minute it takes, write it into these weights for `root = "
                      "\"stride\"` and `stylize --cadence`, and end");
+  CLI::Option* const reference = app.add_option(
+      "--write-reference", flags.reference,
+      "FILE: measure how the performers of --manifest hold themselves in neutral, standing and "
+      "walking, write it into these weights, so that other performers are styled as these are, "
+      "and end");
   app.add_flag("--check", flags.check,
                "Only check: say what is wrong with flags, manifest and clips, what the run will "
                "take (clips, windows, iterations a minute, memory), and end; leaves nothing")
       ->excludes("--export")
-      ->excludes(speeds);
+      ->excludes(speeds)
+      ->excludes(reference);
   AddRunFlags(app, flags);
   // The default manifest would replace the speeds of styles that it shares with the right one.
   speeds->needs("--manifest")->excludes("--out")->excludes("--export");
+  reference->needs("--manifest")->excludes("--out")->excludes("--export")->excludes(speeds);
   AddValidationFlags(app, flags);
 }
 
@@ -178,6 +187,9 @@ Status CheckOnly(RunConfig run, bool validated, FamilyFlags& family) {
 Status Run(const Flags& flags, FamilyFlags& family) {
   if (!flags.speeds.empty()) {
     return judge::MeasureAndWriteSpeeds(flags.run.manifest, flags.run.data, flags.speeds);
+  }
+  if (!flags.reference.empty()) {
+    return judge::MeasureAndWriteReference(flags.run.manifest, flags.run.data, flags.reference);
   }
   if (!flags.export_paths.empty()) {
     return ExportRun(flags.export_paths[0], flags.export_paths[1], [](const std::string& name) {
@@ -226,8 +238,9 @@ int Main(int argc, char** argv) {
   if (flags.family != name) return refuse("--family must be on the command line");
   const Status resolved = family_flags->Resolve(app);
   if (!resolved.ok()) return refuse(resolved.message());
-  if (flags.export_paths.empty() && flags.speeds.empty() && flags.run.out.empty()) {
-    return refuse("--out, --export or --write-speeds is needed");
+  if (flags.export_paths.empty() && flags.speeds.empty() && flags.reference.empty() &&
+      flags.run.out.empty()) {
+    return refuse("--out, --export, --write-speeds or --write-reference is needed");
   }
   if (flags.export_paths.empty() && flags.run.data.empty()) {
     return refuse("--data is needed, the folder of the unpacked data, or STYLED_DATA");

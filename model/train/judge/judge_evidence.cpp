@@ -19,8 +19,8 @@ bool IsCalled(const Json& style, const std::string& name) {
 
 }  // namespace
 
-Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
-                  const std::function<void(std::size_t name, Json& style)>& edit) {
+Status EditMetadata(const std::filesystem::path& weights,
+                    const std::function<Status(Json& keys)>& edit) {
   const auto bytes = net::ReadFile(weights);
   if (!bytes.ok()) return bytes.status();
   // Checks the file's common keys, so that those read below are there.
@@ -28,21 +28,29 @@ Status EditStyles(const std::filesystem::path& weights, std::span<const std::str
   if (!parsed.ok()) return parsed.status();
   auto metadata = parsed.value().view.metadata;
   Json keys = Json::parse(metadata.at("styled"));
-  bool any = false;
-  for (Json& style : keys["styles"]) {
-    for (std::size_t name = 0; name < names.size(); ++name) {
-      if (!IsCalled(style, names[name])) continue;
-      edit(name, style);
-      any = true;
-    }
-  }
-  if (!any) return Status::Error(weights.string() + ": has none of the manifest's styles");
+  if (Status edited = edit(keys); !edited.ok()) return edited;
   metadata["styled"] = keys.dump();
   const auto written = net::WithMetadata(bytes.value(), metadata, weights.string());
   if (!written.ok()) return written.status();
   const auto readable = net::ParseWeights(written.value(), weights.string());
   if (!readable.ok()) return readable.status();
   return net::WriteFile(weights, written.value());
+}
+
+Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
+                  const std::function<void(std::size_t name, Json& style)>& edit) {
+  return EditMetadata(weights, [&](Json& keys) {
+    bool any = false;
+    for (Json& style : keys["styles"]) {
+      for (std::size_t name = 0; name < names.size(); ++name) {
+        if (!IsCalled(style, names[name])) continue;
+        edit(name, style);
+        any = true;
+      }
+    }
+    return any ? Status::Ok()
+               : Status::Error(weights.string() + ": has none of the manifest's styles");
+  });
 }
 
 std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,

@@ -14,10 +14,15 @@
 
 namespace styled::judge {
 
+// Calls `edit` with the metadata of a weights file of any family (model/net/FORMAT.md), and writes
+// what came of it. Tensors stay. Replaces `weights` atomically, and not where `edit` fails or the
+// result is no weights file. Errors name the file.
+Status EditMetadata(const std::filesystem::path& weights,
+                    const std::function<Status(nlohmann::ordered_json& keys)>& edit);
+
 // Calls `edit` with the index of each of `names` and the style that it calls in a weights file of
-// any family, by name or alias, as its metadata has it (model/net/FORMAT.md), and writes what came
-// of it. Tensors and all other keys stay. Replaces `weights` atomically, and not where the result
-// is no weights file. Errors name the file; that it has none of the styles is one.
+// any family, by name or alias, as EditMetadata does. All other keys stay. That it has none of the
+// styles is an error.
 Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
                   const std::function<void(std::size_t name, nlohmann::ordered_json& style)>& edit);
 

@@ -1,0 +1,115 @@
+#include "model/train/judge/judge_reference.h"
+
+#include <array>
+#include <cmath>
+
+#include "model/body/heading.h"
+#include "model/net/weights_file.h"
+#include "model/neutral/neutral.h"
+#include "model/train/judge/judge_evidence.h"
+#include "model/train/judge/judge_stream.h"
+
+namespace styled::judge {
+namespace {
+
+using body::kJointCount;
+using body::Pose;
+using body::Quat;
+
+// A weighted mean of rotations that are not far apart: their sum, each in the nearer sign.
+struct MeanCarriage {
+  std::array<Eigen::Vector4f, kJointCount> sums;
+  std::array<double, kJointCount> weights{};
+
+  MeanCarriage() { sums.fill(Eigen::Vector4f::Zero()); }
+  void Add(int joint, const Quat& rotation, float weight) {
+    const auto j = static_cast<std::size_t>(joint);
+    const float sign = rotation.coeffs().dot(sums[j]) < 0 ? -1.0F : 1.0F;
+    sums[j] += sign * weight * rotation.coeffs();
+    weights[j] += static_cast<double>(weight);
+  }
+  bool any() const { return weights[body::kHips] > 0; }
+  // Of joints without a frame, the rotation of `otherwise`.
+  neutral::Carriage Value(const neutral::Carriage& otherwise) const {
+    neutral::Carriage mean = otherwise;
+    for (std::size_t j = 0; j < sums.size(); ++j) {
+      if (weights[j] > 0) mean.rotations[j] = Quat(sums[j]).normalized();
+    }
+    return mean;
+  }
+};
+
+// The speed of the hips over the floor around frame `at`, over 0.2 s as the stylist's.
+float SpeedAt(const std::vector<Pose>& poses, std::size_t at, double rate_hz) {
+  const auto reach = static_cast<std::size_t>(std::lround(0.1 * rate_hz));
+  const std::size_t from = at < reach ? 0 : at - reach;
+  const std::size_t to = std::min(poses.size() - 1, at + reach);
+  const body::Vec3 way = poses[to].hips_position_m - poses[from].hips_position_m;
+  return to == from ? 0
+                    : std::hypot(way.x(), way.z()) * static_cast<float>(rate_hz) /
+                          static_cast<float>(to - from);
+}
+
+}  // namespace
+
+std::optional<neutral::Reference> MeasureReference(std::span<const train::TrainingClip> clips,
+                                                   double rate_hz) {
+  neutral::Reference reference;  // its speeds tell a walk
+  MeanCarriage standing, walking, running;
+  for (const train::TrainingClip& clip : clips) {
+    if (clip.style != 0) continue;
+    for (std::size_t at = 0; at < clip.poses.size(); ++at) {
+      for (const bool mirrored : {false, true}) {
+        Pose pose = clip.poses[at];
+        if (mirrored) body::Mirror(pose, pose);
+        const neutral::Ordinary ordinary =
+            neutral::JudgeOrdinary(pose, SpeedAt(clip.poses, at, rate_hz), reference);
+        pose.rotations[body::kHips] =
+            body::Yaw(-ordinary.heading_rad) * pose.rotations[body::kHips];
+        for (int joint = 0; joint < kJointCount; ++joint) {
+          const Quat& rotation = pose.rotations[static_cast<std::size_t>(joint)];
+          const float moving = ordinary.Of(joint) * ordinary.moving;
+          walking.Add(joint, rotation, moving * (1 - ordinary.running));
+          running.Add(joint, rotation, moving * ordinary.running);
+          standing.Add(joint, rotation, ordinary.Of(joint) * (1 - ordinary.moving));
+        }
+      }
+    }
+  }
+  if (!standing.any() || !walking.any()) return std::nullopt;
+  reference.walking = walking.Value({});
+  reference.standing = standing.Value(reference.walking);
+  reference.running = running.Value(reference.walking);
+  return reference;
+}
+
+Status WriteReference(const neutral::Reference& reference, const std::filesystem::path& weights) {
+  return EditMetadata(weights, [&reference](nlohmann::ordered_json& keys) {
+    keys["version"] = net::kWeightsVersion;
+    // A file of version 1 has no family.
+    if (!keys.contains("family")) keys["family"] = net::kStyleErd;
+    keys["reference"] = nlohmann::ordered_json(net::AsJson(reference));
+    return Status::Ok();
+  });
+}
+
+Status MeasureAndWriteReference(const std::filesystem::path& manifest_file,
+                                const std::filesystem::path& folder,
+                                const std::filesystem::path& weights) {
+  const Status found = train::CheckDataFolder(folder);
+  if (!found.ok()) return found;
+  const auto manifest = clip::LoadManifest(manifest_file, folder);
+  if (!manifest.ok()) return manifest.status();
+  erd::FeatureParameters parameters;
+  parameters.rate_hz = static_cast<float>(kStreamRate_hz / kStreamPerJudge);
+  const auto clips = train::LoadClips(manifest.value(), "train", parameters, 2);
+  if (!clips.ok()) return clips.status();
+  const auto reference = MeasureReference(clips.value(), static_cast<double>(parameters.rate_hz));
+  if (!reference) {
+    return Status::Error(manifest_file.string() +
+                         ": expected neutral clips in which somebody stands and walks, found none");
+  }
+  return WriteReference(*reference, weights);
+}
+
+}  // namespace styled::judge
