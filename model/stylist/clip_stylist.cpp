@@ -174,6 +174,11 @@ ClipStylist::ClipStylist(std::shared_ptr<const net::ClipStylizer> network, ClipS
                                    std::move(frames))) {}
 ClipStylist::~ClipStylist() = default;
 
+void ClipStylist::Know(const neutral::Known& known) {
+  impl_->ahead.Know(known);
+  impl_->behind.Know(known);
+}
+
 void ClipStylist::Next(Output& out) {
   while (!impl_->Ready()) impl_->Feed();
   impl_->behind.Process(impl_->Time_ns(impl_->given), impl_->frames.frame(impl_->given), out);

@@ -47,6 +47,8 @@ class ClipStylist {
               ClipFrames frames);
   ~ClipStylist();
 
+  // Before the first frame: the performer's neutral (Stylist::Know).
+  void Know(const neutral::Known& known);
   // Styles the next frame; call it frames.count times.
   void Next(Output& out);
 

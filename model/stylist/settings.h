@@ -102,6 +102,8 @@ struct Options {
   // The same for the hips' tilt off upright (falls, lying), without a time constant.
   float tilt_begin_rad = tuning::kTiltBegin_rad;
   float tilt_end_rad = tuning::kTiltEnd_rad;
+  // The network sees the performer as its own would hold themselves (model/neutral/neutral.h).
+  bool neutral = true;
   // A limb that does what the network does not know keeps its own motion (limb_gate.h).
   bool limb_gate = true;
   // Time constant of the vertical shift of `ground`; 0: none.

@@ -7,6 +7,7 @@
 #include "model/base/critically_damped.h"
 #include "model/base/smooth.h"
 #include "model/feet/feet.h"
+#include "model/neutral/neutral.h"
 #include "model/stylist/batch.h"
 #include "model/stylist/change_filter.h"
 #include "model/stylist/domain.h"
@@ -61,6 +62,7 @@ struct Stylist::Impl {
 
   // The six steps except the second, which is StepTogether.
   void Bind(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
+  void TakeOutNeutral(const Pose& input) noexcept;
   void ChangeStyle(const Pose& input) noexcept;
   float Shown(body::Part part) const noexcept;
   void Apply(Output& out) const noexcept;
@@ -77,15 +79,20 @@ struct Stylist::Impl {
   void MoveOn(Output& out) noexcept;
   void GiveBack(Output& out) noexcept;
   bool Bypassed() const noexcept;
-  BatchEntry EntryOf(const Output& out) noexcept {
-    return {&predictor, &out.canonical_input, &mixer, &filter.near()};
+  // Null where the performer's neutral is not taken out.
+  const neutral::Reference* Reference() const noexcept {
+    const auto& reference = predictor.network()->model().reference;
+    return options.neutral && reference ? &*reference : nullptr;
   }
+  BatchEntry EntryOf() noexcept { return {&predictor, &seen, &mixer, &filter.near()}; }
 
   std::shared_ptr<const rig::Binding> binding;
   Options options;
   Settings settings;
 
   InputGuard input_guard;
+  neutral::Neutral neutral;
+  Pose seen;  // the input as the network sees it: with the reference's carriage
   Mixer mixer;
   Predictor predictor;
   ChangeFilter filter;
@@ -127,6 +134,24 @@ void Stylist::Rest(bool rests) noexcept { impl_->rests = rests; }
 
 const Settings& Stylist::settings() const { return impl_->settings; }
 
+bool Stylist::has_neutral() const { return impl_->Reference() != nullptr; }
+
+const neutral::Neutral& Stylist::neutral() const { return impl_->neutral; }
+
+neutral::Known Stylist::Tell() const noexcept {
+  const neutral::Reference* const reference = impl_->Reference();
+  return reference == nullptr ? neutral::Known() : impl_->neutral.Tell(*reference);
+}
+
+void Stylist::Know(const neutral::Known& known) noexcept {
+  const neutral::Reference* const reference = impl_->Reference();
+  if (reference != nullptr) impl_->neutral.Know(known, *reference);
+}
+
+void Stylist::CalibrateNeutral(float seconds) noexcept { impl_->neutral.Calibrate(seconds); }
+
+void Stylist::ForgetNeutral() noexcept { impl_->neutral.Forget(); }
+
 void Stylist::Reset() noexcept {
   impl_->Restart();
   impl_->input_guard.Reset();
@@ -143,8 +168,8 @@ void Stylist::Carry(Checkpoint& c) noexcept {
   const auto styles = static_cast<int>(s.predictor.network()->model().styles.size());
   s.settings.Carry(c, styles);
   s.mixer.Carry(c, styles);
-  c(s.input_guard, s.predictor, s.filter, s.domain, s.gate, s.stride, s.shift_m, s.rig_shift,
-    s.feet, s.rig_feet, s.feet_style);
+  c(s.input_guard, s.neutral, s.predictor, s.filter, s.domain, s.gate, s.stride, s.shift_m,
+    s.rig_shift, s.feet, s.rig_feet, s.feet_style);
   c.Time(s.last_ns);
   c(s.dt_s, s.last_gap_s, s.started, s.fresh_session, s.failed);
 }
@@ -157,7 +182,7 @@ void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
     Impl& s = *jobs[i].stylist->impl_;
     // 1 Bind: the source pose, with invalid joints held, as a pose of the canonical humanoid.
     s.Bind(jobs[i].time_ns, *jobs[i].in, *jobs[i].out);
-    entries[i] = s.EntryOf(*jobs[i].out);
+    entries[i] = s.EntryOf();
   }
   // 2 Network: each due recurrent state predicts the pose reconstructed and styled.
   StepTogether<kMost>(std::span(entries).first(jobs.size()));
@@ -203,6 +228,18 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   mixer.Advance(dt_s);
   if (rests && Bypassed()) predictor.Skip();
   MoveOn(out);
+  TakeOutNeutral(out.canonical_input);
+}
+
+// What a performer does in another style tells nothing of their neutral.
+void Stylist::Impl::TakeOutNeutral(const Pose& input) noexcept {
+  const neutral::Reference* const reference = Reference();
+  if (reference == nullptr) {
+    seen = input;
+    return;
+  }
+  neutral.Follow(input, static_cast<float>(dt_s), mixer.input_style() == 0, *reference);
+  neutral.TakeOut(input, seen);
 }
 
 // The way over the floor is scaled as far as the style is shown, and only where legs show it.
@@ -282,7 +319,7 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   predictor.MeanDelta(delta);
   filter.Follow(delta, dt_s, error_rad, mixer, options);
   delta = filter.value();
-  if (mixer.absolute() > 0 && predictor.any()) predictor.BlendAbsolute(input, mixer, delta);
+  if (mixer.absolute() > 0 && predictor.any()) predictor.BlendAbsolute(seen, mixer, delta);
   if (options.limb_gate) {
     gate.Follow(predictor.limb_errors_m(), static_cast<float>(dt_s), !started);
   }
@@ -397,7 +434,7 @@ void Stylist::Impl::Finish(Output& out) noexcept {
   std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
   out.in_force_count = static_cast<int>(in_force.size());
 
-  predictor.End(out.canonical_input);
+  predictor.End(seen);
   started = true;
   fresh_session = false;
 }

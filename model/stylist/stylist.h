@@ -11,6 +11,7 @@
 #include "model/base/realtime.h"
 #include "model/feet/travel.h"
 #include "model/net/stylizer.h"
+#include "model/neutral/neutral.h"
 #include "model/rig/binding.h"
 #include "model/stylist/limb_gate.h"
 #include "model/stylist/settings.h"
@@ -80,6 +81,16 @@ class Stylist {
   // pass Validate.
   STYLED_REALTIME void Set(const Settings& settings) noexcept;
   const Settings& settings() const;
+  // The performer's neutral. What is known of it, to be kept, and from where this stylist goes on:
+  // what an earlier one, or a whole clip, has told. Nothing is known with a network that has no
+  // reference, and without Options::neutral.
+  bool has_neutral() const;
+  const neutral::Neutral& neutral() const;
+  STYLED_REALTIME neutral::Known Tell() const noexcept;
+  STYLED_REALTIME void Know(const neutral::Known& known) noexcept;
+  // As of neutral::Neutral.
+  STYLED_REALTIME void CalibrateNeutral(float seconds) noexcept;
+  STYLED_REALTIME void ForgetNeutral() noexcept;
   // While it rests it runs no step of the network as soon as nothing is styled any more: set
   // settings without a style, too. Without a rest the network follows the performer in bypass, so
   // that a style sets in as it goes on; after one it begins anew. Not part of Carry.
@@ -90,7 +101,7 @@ class Stylist {
   void Adopt(std::shared_ptr<const net::Stylizer> network) noexcept;
 
   // Clears recurrent state, held values, filters and what Root::kStride has gained; keeps the
-  // settings and the style weights in effect.
+  // settings, the style weights in effect and the performer's neutral.
   STYLED_REALTIME void Reset() noexcept;
 
   // Hands over the whole state (model/base/checkpoint.h), settings included, to a stylist of the

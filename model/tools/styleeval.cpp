@@ -313,6 +313,8 @@ int main(int argc, char** argv) {
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");
   app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold feet that are planted");
+  app.add_flag("!--no-neutral", arguments.stylist.neutral,
+               "Do not take the performer's own carriage out before the network");
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
                "Do not withhold the style of limbs that the network does not know");
   app.add_flag("!--no-ground", arguments.stylist.ground,

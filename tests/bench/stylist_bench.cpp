@@ -10,6 +10,7 @@
 
 #include "model/net/load.h"
 #include "model/net/several.h"
+#include "model/net/weights_file.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
 #include "model/synthetic/performer.h"
@@ -29,7 +30,12 @@ std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
   const auto graph = [] {
     return net::Parse(stgcn_causal::RandomWeights(7, 32, 1).Bytes(), "graph").value();
   };
-  const auto wide = [] { return erd::RandomStylizer(16, 1, erd::kWide); };
+  const auto wide = [] {
+    erd::WeightsFile file = erd::RandomWeights(16, 1, erd::kWide);
+    file.metadata["version"] = net::kWeightsVersion;
+    file.metadata["reference"] = net::AsJson(neutral::Reference());
+    return erd::StylizerOf(file);
+  };
   if (network == kPaper) return erd::RandomStylizer(16, 1, erd::kPaper);
   if (network == kWide) return wide();
   if (network == kGraph) return graph();
@@ -58,11 +64,13 @@ struct Stream {
 };
 
 // `state.range(0)`: number of styles in the mix; `state.range(1)`: whether feet are held;
-// `state.range(2)`: the network.
+// `state.range(2)`: the network; `state.range(3)`: whether the performer's neutral is taken out,
+// which only kWide and kBoth can do.
 void WholeStylist(benchmark::State& state) {
   const Stream stream(static_cast<int>(state.range(2)));
   stylist::Options options;
   options.feet = state.range(1) != 0;
+  options.neutral = state.range(3) != 0;
   stylist::Stylist stylist(stream.network, stream.binding, options);
   stylist::Settings settings;
   const auto styles = static_cast<std::size_t>(state.range(0));
@@ -81,18 +89,20 @@ void WholeStylist(benchmark::State& state) {
   }
 }
 BENCHMARK(WholeStylist)
-    ->ArgNames({"styles", "feet", "network"})
-    ->Args({0, 0, 0})
-    ->Args({1, 0, 0})
-    ->Args({1, 1, 0})
-    ->Args({4, 1, 0})
-    ->Args({0, 0, 1})
-    ->Args({1, 0, 1})
-    ->Args({1, 1, 1})
-    ->Args({4, 1, 1})
-    ->Args({0, 1, kGraph})
-    ->Args({1, 1, kGraph})
-    ->Args({1, 1, kBoth})
+    ->ArgNames({"styles", "feet", "network", "neutral"})
+    ->Args({0, 0, 0, 0})
+    ->Args({1, 0, 0, 0})
+    ->Args({1, 1, 0, 0})
+    ->Args({4, 1, 0, 0})
+    ->Args({0, 0, 1, 1})
+    ->Args({1, 0, 1, 1})
+    ->Args({1, 1, 1, 0})
+    ->Args({1, 1, 1, 1})
+    ->Args({4, 1, 1, 1})
+    ->Args({0, 1, kGraph, 0})
+    ->Args({1, 1, kGraph, 0})
+    ->Args({1, 1, kBoth, 0})
+    ->Args({1, 1, kBoth, 1})
     ->Unit(benchmark::kMicrosecond);
 
 // 64 performers in one style each, whose states together are larger than the caches: a frame each,
