@@ -202,6 +202,7 @@ class Run {
       guard_.Reads(text, "the example");
       guard_.Reads(text.substr(0, text.rfind('=')), "the example");
     }
+    guard_.Reads(arguments_.neutral, "the clip of --neutral");
     if (arguments_.bind_only) return Status::Ok();
     auto network = stylize::LoadNetwork(arguments_);
     if (!network.ok()) return network.status();
@@ -212,6 +213,9 @@ class Run {
     auto examples = stylize::ReadExamples(arguments_, network_.model(), stylize::SpaceOf(network_));
     if (!examples.ok()) return examples.status();
     examples_ = std::move(examples.value());
+    auto neutral = stylize::ReadNeutral(arguments_, joints_, network_.model());
+    if (!neutral.ok()) return neutral.status();
+    neutral_ = std::move(neutral.value());
     return Status::Ok();
   }
 
@@ -221,7 +225,7 @@ class Run {
     for (const std::string& style : styles_) {
       Arguments one = arguments_;
       one.style = style;
-      auto restyler = stylize::Restyler::Make(one, examples_, network_);
+      auto restyler = stylize::Restyler::Make(one, examples_, neutral_, network_);
       if (!restyler.ok()) return restyler.status();
       restylers_.push_back(std::move(restyler.value()));
     }
@@ -404,7 +408,8 @@ class Run {
   std::string why_not_kept_;  // why the avatar's meshes are not in a .glb; "": they are
   styled::net::AnyStylizer network_;
   stylize::Examples examples_;
-  std::vector<stylize::Restyler> restylers_;  // per style
+  std::optional<styled::neutral::Known> neutral_;  // of a file
+  std::vector<stylize::Restyler> restylers_;       // per style
   const stylize::Input* source_of_ = nullptr;
   std::optional<Result<Source>> source_;
   stylize::ProgressLine* progress_ = nullptr;

@@ -13,6 +13,7 @@
 #include "model/clip/clip.h"
 #include "model/net/clip_stylizer.h"
 #include "model/net/styles.h"
+#include "model/neutral/neutral.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/settings.h"
@@ -31,6 +32,7 @@ struct Arguments {
   std::string window = "auto";        // a row of kWindows
   std::string parts = "all";          // parts of the body to style
   std::string root = "follow";        // or "stride": stylist::Root
+  std::string neutral = "clip";       // or "live", "none", or a clip of the performer
   std::string input_style;            // the style that the performer moves in
   bool cadence = false;               // warp time, so that steps come as often as the style's
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
@@ -90,6 +92,19 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
 // it was and is; `file` is the output's name.
 void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
                clip::Clip& clip);
+
+// stylize_neutral.cpp: the words of --neutral; anything else is a file.
+inline constexpr const char* kNeutralOfClip = "clip";
+inline constexpr const char* kNeutralLive = "live";
+inline constexpr const char* kNoNeutral = "none";
+// The performer's neutral, learned from all of a clip (neutral::Neutral).
+neutral::Known LearnNeutral(const clip::Clip& clip, const rig::Binding& binding,
+                            const neutral::Reference& reference);
+// That of the clip that --neutral names; nothing where it names none. A clip that shows nobody
+// stand or walk is an error; errors name the file.
+Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
+                                                  const rig::JointNames& joints,
+                                                  const net::Model& model);
 
 // An example of a style, as --like names it.
 struct Example {

@@ -66,6 +66,11 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag("--cadence", arguments.cadence,
                "warp time where the performer walks or runs, so that steps come as often as the "
                "style's; the length of the clip changes");
+  app.add_option("--neutral", arguments.neutral,
+                 "how the performer stands and walks when no style is asked for: clip, learned "
+                 "from all of the clip; live, from its frames so far, as in a live stream; none; "
+                 "or a BVH file of the same performer")
+      ->capture_default_str();
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,
@@ -124,9 +129,9 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
 // What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
 // excludes(), which would write as much behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
-    "--style",     "--strength", "--mix",     "--like",        "--vary", "--amount",
-    "--window",    "--absolute", "--parts",   "--input-style", "--root", "--cadence",
-    "--no-bypass", "--feet",     "--weights", "--avatar"};
+    "--style",   "--strength",  "--mix",   "--like",        "--vary",  "--amount",
+    "--window",  "--absolute",  "--parts", "--input-style", "--root",  "--cadence",
+    "--neutral", "--no-bypass", "--feet",  "--weights",     "--avatar"};
 
 }  // namespace
 

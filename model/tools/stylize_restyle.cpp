@@ -232,8 +232,12 @@ const net::StyleSpace* SpaceOf(const net::AnyStylizer& network) {
 }
 
 Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& examples,
+                                const std::optional<neutral::Known>& neutral,
                                 const net::AnyStylizer& network) {
   Restyler restyler;
+  restyler.neutral_of_clip_ = arguments.neutral == kNeutralOfClip && arguments.input_style.empty();
+  restyler.neutral_ = neutral;
+  restyler.options_.neutral = arguments.neutral != kNoNeutral;
   restyler.network_ = network;
   restyler.options_.bypass = !arguments.no_bypass;
   restyler.options_.feet = arguments.feet;
@@ -256,6 +260,13 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
   return restyler;
 }
 
+std::optional<neutral::Known> Restyler::NeutralOf(const clip::Clip& clip,
+                                                  const rig::Binding& binding) const {
+  const auto& reference = network_.model().reference;
+  if (neutral_of_clip_ && reference) return LearnNeutral(clip, binding, *reference);
+  return neutral_;
+}
+
 bool Restyler::WantsMuch() const {
   if (network_.clips) {
     return clip_style_.weight >= kMuch && clip_style_.parts == body::kAllParts;
@@ -272,6 +283,7 @@ Result<Styled> Restyler::Run(const std::string& file,
                              const clip::AvatarSkeleton* avatar, const Progress& progress,
                              clip::Clip& clip) const {
   const Frames frames(clip);
+  const auto neutral = NeutralOf(clip, *binding);
   StyleNext style_next;
   if (network_.clips) {
     const Status length = CheckLength(clip, file, network_.clips->model(), *network_.clips);
@@ -281,10 +293,12 @@ Result<Styled> Restyler::Run(const std::string& file,
         stylist::ClipFrames{
             frames.count, frames.rate_hz,
             [&frames](std::size_t i) -> const rig::RigPose& { return frames.At(i); }});
+    if (neutral) stylist->Know(*neutral);
     style_next = [stylist](std::size_t, stylist::Output& out) { stylist->Next(out); };
   } else {
     auto stylist = std::make_shared<stylist::Stylist>(network_.frames, binding, options_);
     stylist->Set(settings_);
+    if (neutral) stylist->Know(*neutral);
     style_next = [stylist, &frames](std::size_t i, stylist::Output& out) {
       stylist->Process(frames.Time_ns(i), frames.At(i), out);
     };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,9 +49,11 @@ using Progress = std::function<void(double)>;
 // The styling that the arguments and the network's kind ask for, for any number of clips.
 class Restyler {
  public:
-  // `arguments` name one style; `examples` are those of --like. Reads no file. Errors name the
+  // `arguments` name one style; `examples` are those of --like, `neutral` what the file of
+  // --neutral shows. Reads no file. Errors name the
   // option.
   static Result<Restyler> Make(const Arguments& arguments, const Examples& examples,
+                               const std::optional<neutral::Known>& neutral,
                                const net::AnyStylizer& network);
 
   // Styles `clip` in place. With `avatar` its frames are then the avatar's, while the skeleton is
@@ -62,8 +65,12 @@ class Restyler {
  private:
   Restyler() = default;
   bool WantsMuch() const;
+  std::optional<neutral::Known> NeutralOf(const clip::Clip& clip,
+                                          const rig::Binding& binding) const;
 
   net::AnyStylizer network_;
+  bool neutral_of_clip_ = false;
+  std::optional<neutral::Known> neutral_;  // of a file
   stylist::Options options_;
   stylist::Settings settings_;     // of a network that styles frame by frame
   stylist::ClipStyle clip_style_;  // of one that needs whole clips
