@@ -1,23 +1,26 @@
-// Are a performer's acts kept, whatever the style? Punches, kicks and dances on any rig, restyled
-// as live by weights in each of their styles: how far each gesture still reaches and in which
-// direction, how high each kick goes, and the jerk. Needs no judge and asserts nothing.
+// Are a performer's acts kept, whatever the style, and is the style to be seen? Clips of anybody,
+// restyled as live by weights in each of their styles: how far each gesture still reaches and in
+// which direction, how high each kick goes, and the jerk; how far the style moves the body, and
+// which of the real styles of a data set it is. Needs no judge and asserts nothing.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <map>
 
+#include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
-#include "model/rig/dialects.h"
 #include "model/tools/command_line.h"
 #include "model/train/judge/judge_acts.h"
 #include "model/train/judge/judge_provenance.h"
 #include "model/train/judge/judge_stream.h"
 #include "model/train/judge/judge_text.h"
+#include "model/train/judge/judge_visible.h"
 #include "model/trial/trial.h"
 
 namespace styled {
@@ -28,7 +31,14 @@ struct Arguments {
   std::vector<std::string> styles;
   std::vector<std::filesystem::path> clips;
   bool standing = false;
+  std::string real, data, content = "walk";  // of the styles that are told by direction
   stylist::Options stylist;
+};
+
+// The real clips of some of the weights' styles.
+struct Real {
+  std::vector<int> styles;  // of the weights
+  std::vector<Eigen::VectorXd> shifts;
 };
 
 // Figures of one clip in one style, or of several.
@@ -36,16 +46,24 @@ struct Row {
   judge::ActsKept acts;
   judge::JerkRatios jerk;
   std::array<judge::Mean, stylist::kLimbCount> shown;  // share of the style that a limb shows
+  judge::Visible visible;
+  judge::Mean unseen, faint;     // clips and styles of which too little is to be seen
+  judge::Mean told, expression;  // by the real clips' direction
 
   void Add(const Row& other) {
     acts.Add(other.acts);
     jerk.Add(other.jerk);
     for (std::size_t limb = 0; limb < shown.size(); ++limb) shown[limb].Add(other.shown[limb]);
+    visible.Add(other.visible);
+    unseen.Add(other.unseen);
+    faint.Add(other.faint);
+    told.Add(other.told);
+    expression.Add(other.expression);
   }
 };
 
 // The clip at kStreamRate_hz. `standing`: its rest pose is that of a frame that stands upright, and
-// its first frame, often a T-pose beside the motion, is dropped; else its rig is a known one.
+// its first frame, often a T-pose beside the motion, is dropped; else it is bound as stylize does.
 Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing) {
   Result<clip::Clip> read = clip::ReadBvh(file);
   if (!read.ok()) return read.status();
@@ -53,16 +71,39 @@ Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing)
   const auto named = [&file](const Status& status) {
     return Status::Error(file.string() + ": " + status.message());
   };
-  Result<rig::Binding> binding =
-      standing ? clip::BindStanding(clip) : rig::BindDialect(clip.skeleton, "auto");
+  const auto poses = [&clip](const rig::Binding& binding) {
+    return clip::ResamplePoses(clip::ToCanonical(clip, binding), clip.rate_hz,
+                               judge::kStreamRate_hz);
+  };
+  if (!standing) {
+    const auto bound = clip::BindClip(clip);
+    if (!bound.ok()) return named(bound.status());
+    return poses(bound.value().binding);
+  }
+  const auto binding = clip::BindStanding(clip);
   if (!binding.ok()) return named(binding.status());
-  if (standing) clip.frames.erase(clip.frames.begin());
-  return clip::ResamplePoses(clip::ToCanonical(clip, binding.value()), clip.rate_hz,
-                             judge::kStreamRate_hz);
+  clip.frames.erase(clip.frames.begin());
+  return poses(binding.value());
+}
+
+// How much of the style is seen, and whether it is told from the other real ones.
+void MeasureStyle(const judge::Poses& input, const judge::Poses& output, int style,
+                  const Real& real, Row& row) {
+  row.visible = judge::MeasureVisible(input, output);
+  const double seen_cm = Measured(row.visible.all_cm);
+  row.unseen.Add(seen_cm < judge::kUnseen_cm ? 1 : 0);
+  row.faint.Add(seen_cm < judge::kFaint_cm ? 1 : 0);
+  const auto place = std::find(real.styles.begin(), real.styles.end(), style);
+  if (place == real.styles.end()) return;
+  const auto at = static_cast<std::size_t>(place - real.styles.begin());
+  const Eigen::VectorXd shift = judge::MeasureShift(input, output);
+  row.told.Add(judge::TellByDirection(shift, real.shifts) == static_cast<int>(at) ? 1 : 0);
+  row.expression.Add(judge::MeasureExpression(shift, real.shifts[at]).fraction);
 }
 
 // Restyles `input` as one session, and measures it.
-Row Measure(const judge::Poses& input, stylist::Stylist& stylist, int clip) {
+Row Measure(const judge::Poses& input, stylist::Stylist& stylist, int clip, int style,
+            const Real& real) {
   const rig::Binding& binding = feet::HumanoidBinding();
   stylist::Output output(binding.skeleton());
   rig::RigPose source(binding.skeleton());
@@ -80,6 +121,7 @@ Row Measure(const judge::Poses& input, stylist::Stylist& stylist, int clip) {
   }
   row.acts = judge::MeasureEveryAct(input, poses, judge::kStreamRate_hz);
   row.jerk = judge::MeasureJerkRatios(input, poses, judge::kStreamRate_hz, clip);
+  MeasureStyle(input, poses, style, real, row);
   return row;
 }
 
@@ -102,6 +144,20 @@ void Print(const std::string& name, const Row& row) {
   std::printf("\n");
 }
 
+void PrintVisible(const std::string& name, const Row& row) {
+  using judge::Padded;
+  std::printf("%-36.36s %6.0f %s %s %s %s %s %s ", name.c_str(), row.unseen.count,
+              Padded(Measured(row.visible.turned_deg), 6, 1).c_str(),
+              Padded(Measured(row.visible.all_cm), 6, 1).c_str(),
+              Padded(Measured(row.unseen), 6, 2).c_str(), Padded(Measured(row.faint), 6, 2).c_str(),
+              Padded(Measured(row.told), 6, 2).c_str(),
+              Padded(Measured(row.expression), 6, 2).c_str());
+  for (const judge::Mean& moved : row.visible.moved_cm) {
+    std::printf(" %s", Padded(Measured(moved), 6, 1).c_str());
+  }
+  std::printf("\n");
+}
+
 nlohmann::json ToJson(const Row& row) {
   using judge::Value;
   const judge::ActsKept& acts = row.acts;
@@ -115,7 +171,17 @@ nlohmann::json ToJson(const Row& row) {
       {"kick_height", Value(Measured(acts.kick_height))},
       {"least_kick_height", Value(If(acts.kick_height.count, acts.least_kick_height))},
       {"jerk", Value(Measured(row.jerk.clip))},
-      {"worst_jerk", Value(If(row.jerk.clip.count, row.jerk.worst))}};
+      {"worst_jerk", Value(If(row.jerk.clip.count, row.jerk.worst))},
+      {"turned_deg", Value(Measured(row.visible.turned_deg))},
+      {"moved_cm", Value(Measured(row.visible.all_cm))},
+      {"unseen", Value(Measured(row.unseen))},
+      {"faint", Value(Measured(row.faint))},
+      {"told", Value(Measured(row.told))},
+      {"expression", Value(Measured(row.expression))}};
+  for (std::size_t limb = 0; limb < judge::kVisibleLimbs.size(); ++limb) {
+    json["moved_cm_of"][std::string(judge::kVisibleLimbs[limb])] =
+        Value(Measured(row.visible.moved_cm[limb]));
+  }
   for (std::size_t limb = 0; limb < row.shown.size(); ++limb) {
     json["shown"][std::string(stylist::kLimbNames[limb])] = Value(Measured(row.shown[limb]));
   }
@@ -140,14 +206,48 @@ void PrintHeader(const char* of) {
               "least", "off", "worst", "kicks", "height", "least", "jerk", "worst");
 }
 
+void PrintVisibleHeader(const char* of) {
+  std::printf("%-36s %6s %6s %6s %6s %6s %6s %6s ", of, "cells", "turned", "cm", "unseen", "faint",
+              "told", "expr");
+  for (const std::string_view limb : judge::kVisibleLimbs) std::printf(" %6s", limb.data());
+  std::printf("\n");
+}
+
+// The real clips of --real, of the content that is asked for.
+Result<Real> ReadReal(const Arguments& arguments, const net::Styles& styles) {
+  Real real;
+  if (arguments.real.empty()) return real;
+  const auto manifest = clip::LoadManifest(arguments.real, arguments.data);
+  if (!manifest.ok()) return manifest.status();
+  const auto& contents = manifest.value().contents;
+  const auto content = std::find(contents.begin(), contents.end(), arguments.content);
+  if (content == contents.end()) {
+    return Status::Error("--content " + arguments.content + ": not in " + arguments.real);
+  }
+  erd::FeatureParameters parameters;
+  const auto clips = train::LoadClips(manifest.value(), "train", parameters, 2);
+  if (!clips.ok()) return clips.status();
+  for (std::size_t i = 1; i < manifest.value().styles.size(); ++i) {
+    const int style = net::FindStyle(styles, manifest.value().styles[i].name);
+    if (style < 1) continue;
+    real.styles.push_back(style);
+    real.shifts.push_back(judge::RealShift(clips.value(), static_cast<int>(i),
+                                           static_cast<int>(content - contents.begin())));
+  }
+  return real;
+}
+
 Status Run(const Arguments& arguments) {
   const auto network = trial::Load(arguments.weights);
   if (!network.ok()) return network.status();
   const net::Styles& styles = network.value()->model().styles;
   const auto chosen = Choose(arguments, styles);
   if (!chosen.ok()) return chosen.status();
+  const auto real = ReadReal(arguments, styles);
+  if (!real.ok()) return real.status();
   const auto binding = std::make_shared<const rig::Binding>(feet::HumanoidBinding());
 
+  std::map<std::string, Row> of_clips;
   std::map<int, Row> of_style;
   Row all;
   nlohmann::json json;
@@ -160,13 +260,14 @@ Status Run(const Arguments& arguments) {
     for (const int style : chosen.value()) {
       stylist::Stylist stylist(network.value(), binding, arguments.stylist);
       stylist.Set(judge::OneStyle(style, false));
-      const Row row = Measure(input.value(), stylist, static_cast<int>(i));
+      const Row row = Measure(input.value(), stylist, static_cast<int>(i), style, real.value());
       json["clips"][file.filename().string()][styles[static_cast<std::size_t>(style)].name] =
           ToJson(row);
       of_clip.Add(row);
       of_style[style].Add(row);
     }
     Print(file.filename().string(), of_clip);
+    of_clips[file.filename().string()].Add(of_clip);
     all.Add(of_clip);
   }
   PrintHeader("style, all clips");
@@ -176,6 +277,13 @@ Status Run(const Arguments& arguments) {
     json["styles"][name] = ToJson(row);
   }
   Print("all", all);
+  PrintVisibleHeader("clip, all styles");
+  for (const auto& [name, row] : of_clips) PrintVisible(name, row);
+  PrintVisibleHeader("style, all clips");
+  for (const auto& [style, row] : of_style) {
+    PrintVisible(styles[static_cast<std::size_t>(style)].name, row);
+  }
+  PrintVisible("all", all);
   json["all"] = ToJson(all);
   if (arguments.json.empty()) return Status::Ok();
   return judge::WriteJson(json, arguments.json);
@@ -191,7 +299,12 @@ int main(int argc, char** argv) {
       "far they reach over the input's (mean, least), degrees off its direction (mean, worst); "
       "kicks, their height over the input's; jerk over the input's (mean, worst clip); share of "
       "the "
-      "style shown by left arm, right arm, trunk, left leg, right leg.");
+      "style shown by left arm, right arm, trunk, left leg, right leg. Then, for each clip in each "
+      "style (a cell): degrees that a joint is turned, centimetres that head, hands, elbows, knees "
+      "and feet are moved, the share of cells below 1.5 cm (unseen) and 3 cm (faint); with --real "
+      "the share that is told from the other real styles by its direction, and its part of the "
+      "real "
+      "change.");
   app.add_option("clips", arguments.clips, "BVH files")->required()->check(CLI::ExistingFile);
   app.add_option("--weights", arguments.weights, "Weights that run live")->required();
   app.add_option("--styles", arguments.styles, "Only these styles")
@@ -201,8 +314,19 @@ int main(int argc, char** argv) {
       "--standing", arguments.standing,
       "For unknown rigs: each clip's first frame stands upright, soles flat; it gives the rest "
       "pose and is then dropped");
+  app.add_flag("!--no-neutral", arguments.stylist.neutral,
+               "Do not take the performer's own carriage out before the network");
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
                "Do not withhold the style of limbs that the network does not know");
+  const char* const data = std::getenv("STYLED_DATA");
+  if (data != nullptr) arguments.data = data;
+  CLI::Option* const real = app.add_option(
+      "--real", arguments.real, "Manifest of real clips in the styles, by which they are told");
+  app.add_option("--data", arguments.data, "Folder of its clips (default $STYLED_DATA)")
+      ->needs(real);
+  app.add_option("--content", arguments.content, "Which of its contents the clips show")
+      ->needs(real)
+      ->capture_default_str();
   app.add_option("--json", arguments.json, "Write the figures to this file, too");
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   const styled::Status status = styled::Run(arguments);
