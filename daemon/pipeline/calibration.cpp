@@ -3,6 +3,17 @@
 #include "model/base/text.h"
 
 namespace styled::pipeline {
+namespace {
+
+Performer* Applied(Profile& profile, Performer& performer, v1::Reply& reply) {
+  profile.configured = true;
+  auto& applied = *reply.add_applied();
+  applied.set_performer(profile.id);
+  applied.set_first_sequence(profile.next_sequence);
+  return &performer;
+}
+
+}  // namespace
 
 Performer* Calibrate(const v1::Request& request,
                      const std::vector<std::unique_ptr<source::Transport>>& transports,
@@ -24,6 +35,11 @@ Performer* Calibrate(const v1::Request& request,
       !v1::Calibrate::Sensors_IsValid(calibrate.sensors())) {
     return refuse(v1::CODE_OUT_OF_RANGE, "calibrate: expected a pose of 0 or 1, sensors of 0 to 2");
   }
+  if (calibrate.neutral()) {
+    reply.set_code(performer->CalibrateNeutral(calibrate, reply));
+    if (reply.code() != v1::CODE_OK) return nullptr;
+    return Applied(*profile, *performer, reply);
+  }
   source::Transport& transport = *transports[static_cast<std::size_t>(performer->source)];
   if (transport.has_sensors()) {
     const Status status =
@@ -34,11 +50,7 @@ Performer* Calibrate(const v1::Request& request,
     reply.set_code(performer->Calibrate(calibrate, roster.config(), now_ns, reply));
     if (reply.code() != v1::CODE_OK) return nullptr;
   }
-  profile->configured = true;
-  auto& applied = *reply.add_applied();
-  applied.set_performer(profile->id);
-  applied.set_first_sequence(profile->next_sequence);
-  return performer;
+  return Applied(*profile, *performer, reply);
 }
 
 }  // namespace styled::pipeline

@@ -16,18 +16,33 @@
 namespace styled::pipeline {
 namespace {
 
+void Add(const rig::Quat& rotation, toml::array& array) {
+  for (const float value : rotation.coeffs()) array.push_back(static_cast<double>(value));
+}
+
+std::string Hex(std::uint64_t hash) {
+  std::ostringstream text;
+  text << std::hex << hash;
+  return text.str();
+}
+
 toml::table RestRow(const KeptRest& rest) {
-  const auto add = [](toml::array& array, const rig::Quat& rotation) {
-    for (const float value : rotation.coeffs()) array.push_back(static_cast<double>(value));
-  };
   toml::array axes, rotations;
-  add(axes, rest.canonical_from_source);
-  for (const auto& rotation : rest.rotations) add(rotations, rotation);
-  std::ostringstream skeleton;
-  skeleton << std::hex << rest.skeleton;
-  return toml::table{{"skeleton", skeleton.str()},
+  Add(rest.canonical_from_source, axes);
+  for (const auto& rotation : rest.rotations) Add(rotation, rotations);
+  return toml::table{{"skeleton", Hex(rest.skeleton)},
                      {"left_handed", rest.left_handed},
                      {"canonical_from_source", std::move(axes)},
+                     {"rotations", std::move(rotations)}};
+}
+
+toml::table NeutralRow(const KeptNeutral& neutral) {
+  toml::array rotations;
+  for (const auto& rotation : neutral.known.own.rotations) Add(rotation, rotations);
+  return toml::table{{"binding", Hex(neutral.binding)},
+                     {"calibrated", neutral.known.calibrated},
+                     {"body_s", static_cast<double>(neutral.known.body_s)},
+                     {"arms_s", static_cast<double>(neutral.known.arms_s)},
                      {"rotations", std::move(rotations)}};
 }
 
@@ -37,6 +52,7 @@ toml::table Row(const Profile& profile) {
   row.insert("has_come", profile.has_come);
   row.insert("absent_hours", profile.absent_hours);
   if (profile.rest) row.insert("rest", RestRow(*profile.rest));
+  if (profile.neutral) row.insert("neutral", NeutralRow(*profile.neutral));
   return row;
 }
 
@@ -59,10 +75,44 @@ v1::Look ReadLook(const toml::table& row) {
   return look;
 }
 
+std::uint64_t ReadHex(const toml::table& row, const char* key) {
+  return std::strtoull(row[key].value_or(std::string()).c_str(), nullptr, 16);
+}
+
+// The rotations of a list of numbers, four each; nothing where they are none.
+std::optional<std::vector<rig::Quat>> ReadRotations(const std::vector<float>& values) {
+  constexpr float kTolerance = 1e-3F;  // of the length of a rotation
+  std::vector<rig::Quat> rotations;
+  if (values.size() % 4 != 0) return std::nullopt;
+  for (std::size_t i = 0; i < values.size(); i += 4) {
+    rotations.emplace_back(values[i + 3], values[i], values[i + 1], values[i + 2]);
+    if (!(std::abs(rotations.back().norm() - 1) < kTolerance)) return std::nullopt;
+  }
+  return rotations;
+}
+
+std::optional<KeptNeutral> ReadNeutral(const toml::table& row) {
+  KeptNeutral neutral;
+  neutral.binding = ReadHex(row, "binding");
+  neutral.known.calibrated = row["calibrated"].value_or(false);
+  neutral.known.body_s = row["body_s"].value_or(0.0F);
+  neutral.known.arms_s = row["arms_s"].value_or(0.0F);
+  const toml::array* const array = row["rotations"].as_array();
+  if (array == nullptr || !std::isfinite(neutral.known.body_s + neutral.known.arms_s)) {
+    return std::nullopt;
+  }
+  std::vector<float> values;
+  for (const auto& value : *array) values.push_back(value.value_or(0.0F));
+  const auto rotations = ReadRotations(values);
+  auto& own = neutral.known.own.rotations;
+  if (!rotations || rotations->size() != own.size()) return std::nullopt;
+  std::copy(rotations->begin(), rotations->end(), own.begin());
+  return neutral;
+}
+
 std::optional<KeptRest> ReadRest(const toml::table& row) {
   KeptRest rest;
-  const std::string skeleton = row["skeleton"].value_or(std::string());
-  rest.skeleton = std::strtoull(skeleton.c_str(), nullptr, 16);
+  rest.skeleton = ReadHex(row, "skeleton");
   rest.left_handed = row["left_handed"].value_or(false);
   std::vector<float> values;
   for (const char* const key : {"canonical_from_source", "rotations"}) {
@@ -70,14 +120,10 @@ std::optional<KeptRest> ReadRest(const toml::table& row) {
     if (array == nullptr) return std::nullopt;
     for (const auto& value : *array) values.push_back(value.value_or(0.0F));
   }
-  if (values.size() < 8 || values.size() % 4 != 0) return std::nullopt;
-  for (std::size_t i = 0; i < values.size(); i += 4) {
-    rest.rotations.emplace_back(values[i + 3], values[i], values[i + 1], values[i + 2]);
-    constexpr float kTolerance = 1e-3F;  // of the length of a rotation
-    if (!(std::abs(rest.rotations.back().norm() - 1) < kTolerance)) return std::nullopt;
-  }
-  rest.canonical_from_source = rest.rotations.front();
-  rest.rotations.erase(rest.rotations.begin());
+  auto rotations = ReadRotations(values);
+  if (!rotations || rotations->size() < 2) return std::nullopt;
+  rest.canonical_from_source = rotations->front();
+  rest.rotations.assign(rotations->begin() + 1, rotations->end());
   return rest;
 }
 
@@ -88,6 +134,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.look = ReadLook(row);
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);
+  if (const toml::table* known = row["neutral"].as_table()) profile.neutral = ReadNeutral(*known);
   // Older files have neither field. A calibrated performer has come.
   profile.has_come = row["has_come"].value_or(false) || profile.rest;
   constexpr std::int64_t kMost_h = 1'000'000;

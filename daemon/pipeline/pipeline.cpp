@@ -117,7 +117,10 @@ void Pipeline::Return(std::unique_ptr<Exchange> exchange) {
 }
 
 std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
-  if (roster_.PopChanged()) commands_.MarkChanged();
+  const bool learned = std::ranges::any_of(roster_.performers, [](const auto& performer) {
+    return performer->profile.configured && performer->TellNeutral().has_value();
+  });
+  if (roster_.PopChanged() || learned) commands_.MarkChanged();
   return commands_.PopChanged() ? roster_.Snapshot() : nullptr;
 }
 

@@ -181,6 +181,7 @@ class Pipeline final : public Worker, public source::Receiver {
                                 std::int64_t lateness_ns) const noexcept;
   int LogLayers(std::int64_t now_ns);
   void BalanceLoad(std::int64_t now_ns);
+  void TellCalibrated();
   void LookAtWallClock();
   void Stale(Performer& performer, std::int64_t now_ns);
   void Answer(const v1::Request& request, v1::Reply& reply);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "model/base/hash.h"
 #include "model/base/text.h"
@@ -217,6 +218,20 @@ std::uint64_t SkeletonHash(const rig::Skeleton& skeleton) {
     hash.Byte(0);
     hash.Number(skeleton.parents[j]);
   }
+  return hash.value();
+}
+
+std::uint64_t BindingHash(const rig::Binding& binding) {
+  const rig::BindingSpec& spec = binding.spec();
+  Fnv1a hash;
+  hash.Number(static_cast<std::int64_t>(SkeletonHash(spec.skeleton)));
+  for (const int joint : spec.source_joint) hash.Number(joint);
+  const auto add = [&hash](const rig::Quat& rotation) {
+    const float sign = rotation.w() < 0 ? -1.0F : 1.0F;
+    for (const float number : rotation.coeffs()) hash.Number(std::lround(1000 * sign * number));
+  };
+  for (const rig::Quat& rotation : spec.rest_rotations) add(rotation);
+  add(spec.canonical_from_source);
   return hash.value();
 }
 

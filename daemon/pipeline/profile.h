@@ -8,6 +8,8 @@
 
 #include "daemon/config/config.h"
 #include "model/net/styles.h"
+#include "model/neutral/neutral.h"
+#include "model/rig/binding.h"
 #include "model/rig/skeleton.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/look.h"
@@ -25,12 +27,23 @@ struct KeptRest {
 // FNV-1a over names and parents. Other bone lengths mean the same rig on another performer.
 std::uint64_t SkeletonHash(const rig::Skeleton& skeleton);
 
+// What is known of a performer's neutral, for bodies that are bound alike.
+struct KeptNeutral {
+  std::uint64_t binding = 0;  // BindingHash
+  neutral::Known known;
+};
+// FNV-1a over what decides how a pose is bound: joints, which of them are canonical ones, rest pose
+// (to the thousandth) and axes; not bone lengths.
+std::uint64_t BindingHash(const rig::Binding& binding);
+
 // What belongs to a performer's id and not to its sender.
 struct Profile {
   std::string id;  // SOURCE.NAME; "*": for future performers
   // Complete; names styles, so that it outlives weights and restarts.
   v1::Look look = InitialLook();
   std::optional<KeptRest> rest;
+  // Of an earlier time; while the performer is here, their stylist knows it better.
+  std::optional<KeptNeutral> neutral;
   bool pinned = false;
   bool configured = false;          // set explicitly: kept when the performer is forgotten
   bool seen = false;                // it has sent data since the daemon started

@@ -86,6 +86,7 @@ bool Roster::ForgetFrameless(std::int64_t now_ns) {
 
 void Roster::Forget(Performer& performer) {
   Profile& profile = performer.profile;
+  performer.KeepNeutral();
   NoteCome(profile);
   if (performer.admission.received() > 0) profile.absent_hours = 0;
   std::erase_if(performers, [&](const auto& owned) { return owned.get() == &performer; });
@@ -257,6 +258,7 @@ void Roster::RestoreLive(Performer& performer, Profile& saved) {
   Profile& profile = performer.profile;
   profile.look = std::move(saved.look);
   profile.rest = std::move(saved.rest);
+  profile.neutral = std::move(saved.neutral);
   profile.pinned = saved.pinned;
   profile.has_come = saved.has_come;
   profile.configured = true;
@@ -275,7 +277,10 @@ std::unique_ptr<std::vector<Profile>> Roster::Snapshot() const {
 Profile Roster::Saved(const Profile& profile) const {
   Profile saved = profile;
   saved.has_come = HasCome(profile);
-  if (LiveOf(profile) != nullptr) saved.absent_hours = 0;
+  const Performer* const live = LiveOf(profile);
+  if (live == nullptr) return saved;
+  saved.absent_hours = 0;
+  saved.neutral = live->TellNeutral();
   return saved;
 }
 

@@ -98,12 +98,27 @@ int Pipeline::DoTimers(std::int64_t now_ns, bool drained) {
   if (now_ns >= stats_.due_ns()) {
     LookAtWallClock();
     stats_.Publish();
+    TellCalibrated();
     roster_.Age(now_ns);
     for (auto& text : roster_.PopLog()) log_.Log(Event::Level::kInfo, std::move(text));
     if (roster_.PopChanged()) commands_.MarkChanged();
     ++work;
   }
   return work;
+}
+
+// Calibrations of a neutral take seconds; their replies came at the beginning.
+void Pipeline::TellCalibrated() {
+  for (const auto& performer : roster_.performers) {
+    if (!performer->PopNeutralCalibrated()) continue;
+    commands_.MarkChanged();
+    const bool done = performer->calibrated();
+    log_.Log(done ? Event::Level::kInfo : Event::Level::kWarning,
+             performer->profile.id +
+                 (done ? ": their neutral is calibrated"
+                       : ": hardly stood or walked, so their neutral is not calibrated; it goes on "
+                         "being learned"));
+  }
 }
 
 // Timecode and motion do not depend on it; what other machines make of the frames' wall times does.

@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
@@ -32,6 +33,7 @@ void Performer::SetFingers(std::vector<FingerLayer*> layers) {
 }
 
 Status Performer::AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config) {
+  KeepNeutral();
   Status status = binding_.Accept(body, profile, Names(config));
   if (status.ok()) UseBinding(config);
   return status;
@@ -39,13 +41,62 @@ Status Performer::AcceptBody(const source::SourceFrame& body, const RuntimeConfi
 
 v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig& config,
                               std::int64_t now_ns, v1::Reply& reply) {
+  KeepNeutral();
   const v1::Code code = binding_.Calibrate(request, profile, Names(config), now_ns, reply);
   if (code == v1::CODE_OK) UseBinding(config);
   return code;
 }
 
+v1::Code Performer::CalibrateNeutral(const v1::Calibrate& request, v1::Reply& reply) {
+  constexpr float kUsual_s = 5, kLongest_s = 60;
+  if (request.clear()) {
+    profile.neutral.reset();
+    if (styling_) styling_->stylist().ForgetNeutral();
+    return v1::CODE_OK;
+  }
+  const float seconds = request.seconds() == 0 ? kUsual_s : request.seconds();
+  if (!(seconds >= 1 && seconds <= kLongest_s)) {
+    reply.set_reason("calibrate: seconds: found " + NumberText(request.seconds()) +
+                     ", expected 1 to " + NumberText(kLongest_s));
+    return v1::CODE_OUT_OF_RANGE;
+  }
+  if (!styling_ || !admission.live()) {
+    reply.set_reason(profile.id + ": expected a performer whose frames come and are bound");
+    return v1::CODE_NOT_READY;
+  }
+  if (!styling_->stylist().has_neutral()) {
+    reply.set_reason(
+        "calibrate: these weights do not know how their performers stand and walk, or [model] "
+        "neutral is false; expected weights of version 3");
+    return v1::CODE_NOT_READY;
+  }
+  styling_->stylist().CalibrateNeutral(seconds);
+  calibrates_neutral_ = true;
+  return v1::CODE_OK;
+}
+
+std::optional<KeptNeutral> Performer::TellNeutral() const {
+  if (!styling_ || !styling_->stylist().has_neutral()) return profile.neutral;
+  // What was kept for another body stays until there is something to keep for this one.
+  if (styling_->stylist().neutral().body_s() == 0) return profile.neutral;
+  return KeptNeutral{BindingHash(*binding_.body().binding), styling_->stylist().Tell()};
+}
+
+void Performer::KeepNeutral() { profile.neutral = TellNeutral(); }
+
+bool Performer::PopNeutralCalibrated() noexcept {
+  if (!calibrates_neutral_ || !styling_ || styling_->stylist().neutral().calibrates_s() > 0) {
+    return false;
+  }
+  calibrates_neutral_ = false;
+  return true;
+}
+
 void Performer::UseBinding(const RuntimeConfig& config) {
   styling_.emplace(binding_.body(), config, counters_);
+  if (profile.neutral && profile.neutral->binding == BindingHash(*binding_.body().binding)) {
+    styling_->stylist().Know(profile.neutral->known);
+  }
   outputs.Bind(binding_.body(), binding_.given(), config);
   const auto index = static_cast<std::size_t>(source);
   const auto& skeleton = binding_.body().binding->skeleton();

@@ -43,6 +43,15 @@ class Performer {
   // Calls PerformerBinding::Calibrate and makes a stylist for the new binding. Allocates.
   v1::Code Calibrate(const v1::Calibrate& request, const RuntimeConfig& config, std::int64_t now_ns,
                      v1::Reply& reply);
+  // Executes Calibrate with `neutral` (control.proto).
+  v1::Code CalibrateNeutral(const v1::Calibrate& request, v1::Reply& reply);
+  // What the stylist knows of the performer's neutral goes into the profile, before either ends.
+  void KeepNeutral();
+  // The same, to be saved; that of the profile where there is no stylist.
+  std::optional<KeptNeutral> TellNeutral() const;
+  // True once after a calibration of the neutral has ended; calibrated() tells how.
+  bool PopNeutralCalibrated() noexcept;
+  bool calibrated() const { return styling_ && styling_->stylist().neutral().calibrated(); }
   const PerformerBinding& binding() const { return binding_; }
   // The last frame has props that belong to all performers of the source.
   bool shares_props() const { return props_ && props_->of_the_scene() && !props_->empty(); }
@@ -155,6 +164,7 @@ class Performer {
   Facing facing_;
   std::int64_t faced_ns_ = 0;  // source time of the last frame in facing_
   bool backwards_ = false, backwards_logged_ = false;
+  bool calibrates_neutral_ = false;
   std::vector<std::string> unknown_styles_;  // as ApplyLook returned them last
 };
 

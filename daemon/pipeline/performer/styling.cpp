@@ -50,7 +50,10 @@ void Styling::Relieve(bool relieved) noexcept {
 }
 
 void Styling::Rebuild(const BoundBody& body, const RuntimeConfig& config) {
+  const bool known = stylist_.has_neutral();
+  const neutral::Known neutral = stylist_.Tell();
   stylist_ = stylist::Stylist(config.network, body.binding, config.stylist);
+  if (known) stylist_.Know(neutral);
   stylist_.Rest(relieved_);
   rehearsal_ = stylist::Rehearsal::Shared(config.network, body.binding, config.stylist);
   has_output_ = false;
@@ -87,6 +90,15 @@ void Styling::Finish(std::uint32_t extra_flags) noexcept {
 void Styling::Sample() noexcept { shown_last_ = std::exchange(shown_, {}); }
 
 void Styling::Describe(v1::PerformerStats& stats) const {
+  if (stylist_.has_neutral()) {
+    const neutral::Neutral& neutral = stylist_.neutral();
+    v1::NeutralStats& told = *stats.mutable_neutral();
+    told.set_learned(neutral.learned());
+    told.set_body_s(neutral.body_s());
+    told.set_arms_s(neutral.arms_s());
+    told.set_calibrated(neutral.calibrated());
+    told.set_calibrates_s(neutral.calibrates_s());
+  }
   if (shown_last_.poses == 0) return;
   const auto mean = [this](stylist::Limb limb) {
     return shown_last_.sum[static_cast<std::size_t>(limb)] / static_cast<float>(shown_last_.poses);

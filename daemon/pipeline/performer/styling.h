@@ -55,9 +55,11 @@ class Styling {
 
   // Ends the second of which Describe tells.
   void Sample() noexcept;
-  // Fills `shown` and `turned_deg`, unless no pose of that second was styled.
+  // Fills `neutral`, and `shown` and `turned_deg`, unless no pose of that second was styled.
   void Describe(v1::PerformerStats& stats) const;
 
+  stylist::Stylist& stylist() { return stylist_; }
+  const stylist::Stylist& stylist() const { return stylist_; }
   const rig::RigPose& in() const { return in_; }
   rig::RigPose& in() { return in_; }  // in the binding's axes, until the job runs
   const stylist::Output& out() const { return out_; }
