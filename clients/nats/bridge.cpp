@@ -62,6 +62,7 @@ v1::PerformerStats Lasting(const v1::PerformerStats& performer) {
   lasting.clear_refused_as();
   lasting.clear_shown();
   lasting.clear_turned_deg();
+  lasting.clear_neutral();
   return lasting;
 }
 

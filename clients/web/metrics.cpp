@@ -179,6 +179,12 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     if (!p.has_turned_deg()) continue;
     text.Sample(Number(p.turned_deg()), "performer=" + Quoted(p.performer()));
   }
+  text.Family("styled_performer_neutral_learned_ratio", "gauge",
+              "how well the performer's own way of standing and walking is known");
+  for (const auto& p : stats.performers()) {
+    if (!p.has_neutral()) continue;
+    text.Sample(Number(p.neutral().learned()), "performer=" + Quoted(p.performer()));
+  }
   text.Family("styled_performer_layer_live", "gauge",
               "1 while a source that is merged into a performer gives its part");
   for (const auto& p : stats.performers()) {

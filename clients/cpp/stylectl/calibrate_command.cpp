@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "clients/cpp/stylectl/cli.h"
@@ -16,11 +17,15 @@ struct CalibrateArguments {
   std::string pose = "t", sensors = "full";
   int countdown_s = 3;
   bool forget = false;
+  bool neutral = false;
+  float seconds = 5;
 };
 
 v1::Calibrate ToRequest(const CalibrateArguments& arguments) {
   v1::Calibrate request;
   request.set_clear(arguments.forget);
+  request.set_neutral(arguments.neutral);
+  if (arguments.neutral) request.set_seconds(arguments.seconds);
   request.set_pose(arguments.pose == "n" ? v1::Calibrate::POSE_N : v1::Calibrate::POSE_T);
   request.set_sensors(arguments.sensors == "full"  ? v1::Calibrate::SENSORS_FULL
                       : arguments.sensors == "yaw" ? v1::Calibrate::SENSORS_YAW
@@ -52,6 +57,52 @@ void ReportText(Session& session, const v1::CalibrateReply& reply, bool forgotte
   session.out << "\n";
 }
 
+// The row of the session's performer; none where they are gone.
+std::optional<v1::NeutralStats> NeutralOf(Session& session) {
+  v1::StatusReply status;
+  if (!session.control().Status(&status).ok()) return std::nullopt;
+  for (const auto& performer : status.stats().performers()) {
+    if (performer.performer() == session.performer && performer.has_neutral()) {
+      return performer.neutral();
+    }
+  }
+  return std::nullopt;
+}
+
+// Waits until the performer has shown themselves, and tells what came of it.
+int AwaitNeutral(Session& session, float seconds) {
+  session.err << session.performer << ": stand, then walk, in your own way, for " << seconds
+              << " s\n";
+  std::optional<v1::NeutralStats> neutral;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<float>(seconds + 5);
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+    neutral = NeutralOf(session);
+  } while (neutral && neutral->calibrates_s() > 0 && std::chrono::steady_clock::now() < end);
+  const bool done = neutral && neutral->calibrated();
+  if (session.json) {
+    session.out << nlohmann::json{{"ok", done},
+                                  {"performer", session.performer},
+                                  {"body_s", neutral ? neutral->body_s() : 0},
+                                  {"arms_s", neutral ? neutral->arms_s() : 0}}
+                       .dump()
+                << "\n";
+    return done ? kExitOk : kExitRefused;
+  }
+  if (!done) {
+    session.err
+        << session.performer
+        << ": hardly stood or walked meanwhile, so nothing is calibrated; their neutral goes "
+           "on being learned\n";
+    return kExitRefused;
+  }
+  session.out << session.performer << ": calibrated; stood or walked for "
+              << std::lround(neutral->body_s()) << " s";
+  if (neutral->arms_s() == 0) session.out << ", but never with hanging arms, which are not known";
+  session.out << "\n";
+  return kExitOk;
+}
+
 int Calibrate(Session& session, const CalibrateArguments& arguments) {
   for (int left_s = arguments.forget ? 0 : arguments.countdown_s; left_s > 0; --left_s) {
     session.err << left_s << "... " << std::flush;
@@ -62,6 +113,7 @@ int Calibrate(Session& session, const CalibrateArguments& arguments) {
   const client::CallStatus status =
       session.control().Calibrate(session.performer, ToRequest(arguments), &reply);
   if (!status.ok()) return session.Fail(status);
+  if (arguments.neutral && !arguments.forget) return AwaitNeutral(session, arguments.seconds);
   if (session.json) {
     ReportJson(session, reply);
   } else {
@@ -75,7 +127,9 @@ int Calibrate(Session& session, const CalibrateArguments& arguments) {
 void DeclareCalibrate(Session& session) {
   const auto arguments = std::make_shared<CalibrateArguments>();
   CLI::App* calibrate = session.AddOnline(
-      "calibrate", "take how a performer stands now as the rest pose of their rig",
+      "calibrate",
+      "take how a performer stands now as the rest pose of their rig, or learn their own way to "
+      "stand and walk",
       [&session, arguments] { return Calibrate(session, *arguments); });
   session.AddPerformer(calibrate, true, false);
   CLI::Option* pose =
@@ -91,7 +145,17 @@ void DeclareCalibrate(Session& session) {
   calibrate->add_option("--countdown", arguments->countdown_s, "seconds to take up the pose")
       ->check(CLI::Range(0, 60))
       ->capture_default_str();
-  calibrate->add_flag("--clear", arguments->forget, "forget the calibration")->excludes(pose);
+  CLI::Option* neutral = calibrate->add_flag(
+      "--neutral", arguments->neutral,
+      "instead of the rest pose, learn how they stand and walk when no style is asked for");
+  neutral->excludes(pose);
+  calibrate
+      ->add_option("--seconds", arguments->seconds, "of --neutral: how long they stand and walk")
+      ->check(CLI::Range(1, 60))
+      ->needs(neutral)
+      ->capture_default_str();
+  calibrate->add_flag("--clear,--forget", arguments->forget, "forget the calibration")
+      ->excludes(pose);
 }
 
 }  // namespace styled::stylectl

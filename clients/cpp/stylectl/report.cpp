@@ -132,6 +132,30 @@ std::string HeldBackText(const v1::PerformerStats& performer) {
   return limbs.empty() ? "" : performer.performer() + " shows of the style: " + limbs + "\n";
 }
 
+// Where the style of a performer is not yet what it will be; "": nowhere.
+std::string NeutralText(const v1::PerformerStats& performer) {
+  constexpr float kKnown = 0.8F;  // two seconds
+  if (!performer.live() || !performer.has_turned_deg() || !performer.has_neutral()) return "";
+  const v1::NeutralStats& neutral = performer.neutral();
+  if (neutral.calibrates_s() > 0) {
+    return performer.performer() + ": their neutral is being calibrated, " +
+           Fixed(static_cast<double>(neutral.calibrates_s()), 0) + " s left\n";
+  }
+  if (neutral.calibrated() || neutral.learned() >= kKnown) return "";
+  return performer.performer() + ": their neutral is learned to " +
+         Fixed(100 * static_cast<double>(neutral.learned()), 0) +
+         " %; it is learned while they stand and walk, and their style shows in full then\n";
+}
+
+json NeutralJson(const v1::NeutralStats& neutral) {
+  const auto rounded = [](float number) { return Rounded(static_cast<double>(number), 3); };
+  return {{"learned", rounded(neutral.learned())},
+          {"body_s", rounded(neutral.body_s())},
+          {"arms_s", rounded(neutral.arms_s())},
+          {"calibrated", neutral.calibrated()},
+          {"calibrates_s", rounded(neutral.calibrates_s())}};
+}
+
 json ShownJson(const v1::LimbShares& shown) {
   json out = json::object();
   for (const auto& [name, share] : Limbs(shown)) {
@@ -333,7 +357,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
       if (const std::string layers = client::LayersText(performer); !layers.empty()) {
         merged += performer.performer() + " gets " + layers + "\n";
       }
-      held_back += HeldBackText(performer);
+      held_back += HeldBackText(performer) + NeutralText(performer);
       rows.push_back({performer.performer(),
                       performer.live() ? "live"
                       : refused        ? "refused"
@@ -474,6 +498,7 @@ json StatusJson(const v1::StatusReply& status) {
       row["turned_deg"] = Rounded(static_cast<double>(performer.turned_deg()), 2);
       row["shown"] = ShownJson(performer.shown());
     }
+    if (performer.has_neutral()) row["neutral"] = NeutralJson(performer.neutral());
     row.update(LookJson(performer.look()));
     performers.push_back(std::move(row));
   }

@@ -116,6 +116,10 @@ export interface CalibrateOptions {
   sensors?: keyof typeof SENSORS;
   /** Discard the calibration instead. */
   clear?: boolean;
+  /** Instead of a pose, how they stand and walk when no style is asked for: they show it for `seconds`, 1 to 60
+   * (default 5), after the reply. */
+  neutral?: boolean;
+  seconds?: number;
 }
 
 /** An example of a style: one of clip, learnS, code and vary. */
@@ -317,11 +321,11 @@ export class StyledClient {
   reset(performer: string): Promise<Applied[]> {
     return this.change(performer, { case: 'reset', value: {} });
   }
-  /** Calibrates one performer, who stands in this pose at this moment. */
+  /** Calibrates one performer, who stands in this pose at this moment, or shows their neutral from now on. */
   async calibrate(performer: string, options: CalibrateOptions = {}): Promise<CalibrateReply> {
     checkPerformer(performer);
-    const { pose = 't', sensors = 'full', clear = false } = options;
-    const value = { pose: wordOf(POSES, pose, 'pose'), sensors: wordOf(SENSORS, sensors, 'sensors'), clear };
+    const { pose = 't', sensors = 'full', clear = false, neutral = false, seconds = neutral ? 5 : 0 } = options;
+    const value = { pose: wordOf(POSES, pose, 'pose'), sensors: wordOf(SENSORS, sensors, 'sensors'), clear, neutral, seconds };
     return (await this.ask({ performer, command: { case: 'calibrate', value } })).calibrate!;
   }
   /**

@@ -93,8 +93,8 @@ def _set_request(performer: str, style: Optional[str], mix: Optional[Mapping[str
     return request
 
 
-def _calibrate_request(performer: str, pose: str, sensors: str,
-                      clear: bool) -> control_pb2.Request:
+def _calibrate_request(performer: str, pose: str, sensors: str, clear: bool,
+                      neutral: bool, seconds: float) -> control_pb2.Request:
     request = _change(performer)
     try:
         kinds = control_pb2.Calibrate
@@ -104,6 +104,9 @@ def _calibrate_request(performer: str, pose: str, sensors: str,
         raise ValueError(f"calibrate: pose '{pose}', sensors '{sensors}', expected t or n, and "
                          'full, yaw or mounting') from None
     request.calibrate.clear = clear
+    request.calibrate.neutral = neutral
+    if neutral:
+        _put(request.calibrate, 'seconds', seconds, 'calibrate')
     return request
 
 
@@ -206,9 +209,12 @@ class Commands:
         return self._ask(request, _applied)
 
     def calibrate(self, performer: str, pose: str = 't', sensors: str = 'full',
-                  clear: bool = False) -> control_pb2.CalibrateReply:
-        """Calibrates: the performer stands in this pose (t or n) at this moment."""
-        return self._ask(_calibrate_request(performer, pose, sensors, clear),
+                  clear: bool = False, neutral: bool = False,
+                  seconds: float = 5) -> control_pb2.CalibrateReply:
+        """Calibrates: the performer stands in this pose (t or n) at this moment. With `neutral`
+        they stand and then walk in their own way for `seconds` (1 to 60) after the reply, and
+        status().stats.performers tells how well that is known."""
+        return self._ask(_calibrate_request(performer, pose, sensors, clear, neutral, seconds),
                          lambda reply: reply.calibrate)
 
     def like(self, performer: Optional[str], clip: str, name: Optional[str] = None,

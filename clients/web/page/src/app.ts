@@ -271,6 +271,11 @@ export class App {
   reset(): Promise<void> {
     return this.run('recurrent state cleared', () => this.client.reset(this.target));
   }
+  /** The selected performer stands and then walks in their own way, for five seconds. */
+  calibrateNeutral(): Promise<void> {
+    const performer = this.selected;
+    return this.run(`${performer}: stand, then walk, for 5 s`, () => this.client.calibrate(performer, { neutral: true }));
+  }
 
   private async run(what: string, action: () => Promise<unknown>, manner: Manner = {}): Promise<void> {
     if (!manner.forAll && !this.target) return this.onMessage('nobody is here yet', true);

@@ -173,10 +173,15 @@ export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement
   const bypass = h('button', { onclick: () => void app.clear(), title: 'Bypass (B)' }, 'Bypass');
   const pin = h('button', { onclick: () => void app.pin(!app.entry()?.pinned) }, 'Pin');
   const reset = h('button', { onclick: () => void app.reset(), title: 'Clears recurrent state' }, 'Reset');
+  const calibrate = h('button', {
+    onclick: () => void app.calibrateNeutral(),
+    title: 'The performer stands, then walks, in their own way for 5 s; without it, it is learned while they move',
+  }, 'Learn their walk');
   const presetSection = section('Presets', presets);
   let shown = '';
   app.watch(() => {
     const entry = app.entry();
+    calibrate.hidden = entry?.neutral === undefined;
     if (entry?.look) strength.show(entry.look.strength ?? 1);
     pin.setAttribute('aria-pressed', String(entry?.pinned ?? false));
     bypass.setAttribute('aria-pressed', String(entry?.look !== undefined && (entry.look.mix.length === 0 || entry.look.strength === 0)));
@@ -202,7 +207,7 @@ export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement
   const watching = h('p', { className: 'hint watching' }, 'For watching only: this gateway refuses changes.');
   const controls = h('fieldset', { className: 'whole' }, style,
     h('section', {}, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
-      h('div', { className: 'row' }, bypass, pin, reset)),
+      h('div', { className: 'row' }, bypass, pin, reset, calibrate)),
     variation(app), cues, presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;

@@ -84,3 +84,13 @@ export function hardlyStyled({ live, look, turnedDeg }: PerformerStats, neutral:
   const weights = look.mix.filter(({ style }) => !neutral(style)).map(({ weight }) => Math.max(0, weight));
   return weights.reduce((sum, weight) => sum + weight, 0) * (look.strength ?? 1) >= MUCH;
 }
+
+const KNOWN = 0.8; // of a performer's neutral: two seconds of it
+
+/** How well the neutral of a performer in a style is known, behind the style's name; '' where well enough. */
+export function neutralWords({ live, turnedDeg, neutral }: PerformerStats): string {
+  if (!live || !neutral) return '';
+  if (neutral.calibratesS > 0) return ` · shows their walk: ${Math.ceil(neutral.calibratesS)} s`;
+  if (turnedDeg === undefined || neutral.calibrated || neutral.learned >= KNOWN) return '';
+  return ` · learned ${Math.round(100 * neutral.learned)} %`;
+}

@@ -4,7 +4,7 @@ import type { PerformerStats } from 'styled-client';
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
-import { hardlyStyled } from './findings.js';
+import { hardlyStyled, neutralWords } from './findings.js';
 import { keep, keptFile, lastWorn, noteWorn } from './kept.js';
 import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
@@ -45,7 +45,7 @@ function list(app: App): HTMLElement {
       row.title = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
-      setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : ''));
+      setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : '') + neutralWords(entry));
       layers(parts, entry);
       const nothing = hardlyStyled(entry, (style) => app.info(style)?.neutral ?? false) && (hardly.get(entry.performer) ?? 0) >= 2;
       setText(wrong, app.client.daemonState.up ? [entry.warning, nothing ? 'hardly styled now' : ''].filter((text) => text).join('; ') : '');

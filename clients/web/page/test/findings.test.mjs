@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { PerformerStatsSchema, StatsSchema } from 'styled-client';
 
-import { findings, hardlyStyled } from './dist/findings.js';
+import { findings, hardlyStyled, neutralWords } from './dist/findings.js';
 
 const stats = (sources, counters = {}, epoch = 1n) =>
   create(StatsSchema, {
@@ -93,4 +93,15 @@ test('a style that turns next to nothing is hardly styled, unless little of it i
   assert.ok(!one({}, { turnedDeg: 0.5 }));
   assert.ok(!one({}, { turnedDeg: undefined }), 'no pose is styled');
   assert.ok(!one({}, { live: false }));
+});
+
+test('while a style is shown, how well its performer is known', () => {
+  const words = (neutral, fields = {}) => neutralWords(create(PerformerStatsSchema, { live: true, turnedDeg: 3, neutral, ...fields }));
+  assert.equal(words({ learned: 0.4 }), ' · learned 40 %');
+  assert.equal(words({ learned: 0.9 }), '');
+  assert.equal(words({ learned: 0.4, calibrated: true }), '');
+  assert.equal(words({ learned: 0, calibratesS: 3.2 }), ' · shows their walk: 4 s');
+  assert.equal(words({ learned: 0.4 }, { turnedDeg: undefined }), '', 'nothing is styled');
+  assert.equal(words({ learned: 0.4 }, { live: false }), '');
+  assert.equal(words(undefined), '', 'weights without a reference');
 });
