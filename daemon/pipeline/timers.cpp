@@ -1,5 +1,6 @@
 // The pipeline's work that depends on time: deadlines, silence, bodies, statistics.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -167,7 +168,7 @@ void Pipeline::BalanceLoad(std::int64_t now_ns) {
     if (i == kNamed) names += " and of others";
   }
   if (names.empty()) return;
-  const int percent = static_cast<int>(100 * overload_.load() + 0.5);
+  const long percent = std::lround(100 * overload_.load());
   log_.LogOf(LogLimit::Kind::kOverload, {}, "overload",
              change > 0 ? Event::Level::kWarning : Event::Level::kInfo,
              (change > 0 ? "frames leave too late at a load of " : "there is room at a load of ") +

@@ -17,7 +17,10 @@ enum Role : int { kNeutralRole, kTargetRole, kOwnRole };
 
 net::Model RolesOf(const net::Model& model) {
   net::Model roles = model;
-  roles.styles = {{"neutral", {}}, {"target", {}}, {"own", {}}};
+  roles.styles.clear();
+  for (const char* const name : {"neutral", "target", "own"}) {
+    roles.styles.emplace_back().name = name;
+  }
   return roles;
 }
 
@@ -168,7 +171,7 @@ void ClipStylist::Impl::Feed() {
 }
 
 ClipStylist::ClipStylist(std::shared_ptr<const net::ClipStylizer> network, ClipStyle style,
-                         std::shared_ptr<const rig::Binding> binding, const Options& options,
+                         const std::shared_ptr<const rig::Binding>& binding, const Options& options,
                          ClipFrames frames)
     : impl_(std::make_unique<Impl>(std::move(network), std::move(style), binding, options,
                                    std::move(frames))) {}

@@ -43,7 +43,7 @@ struct ClipStyle {
 class ClipStylist {
  public:
   ClipStylist(std::shared_ptr<const net::ClipStylizer> network, ClipStyle style,
-              std::shared_ptr<const rig::Binding> binding, const Options& options,
+              const std::shared_ptr<const rig::Binding>& binding, const Options& options,
               ClipFrames frames);
   ~ClipStylist();
 

@@ -421,8 +421,9 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
 
 void Stylist::Impl::Finish(Output& out) noexcept {
   out.reconstruction_rad = predictor.reconstruction_rad();
-  out.turned_rad =
-      failed ? 0 : filter.applied().leftCols<kJointCount>().colwise().norm().sum() / kJointCount;
+  out.turned_rad = failed ? 0
+                          : filter.applied().leftCols<kJointCount>().colwise().norm().sum() /
+                                static_cast<float>(kJointCount);
   out.limb_errors_m = predictor.limb_errors_m();
   out.limb_weights = gate.weights();
   out.steps = predictor.steps();
@@ -446,7 +447,7 @@ struct Rehearsal::Scratch {
 };
 
 Rehearsal::Rehearsal(std::shared_ptr<const net::Stylizer> network,
-                     std::shared_ptr<const rig::Binding> binding, const Options& options)
+                     const std::shared_ptr<const rig::Binding>& binding, const Options& options)
     : scratch_(new Scratch{Stylist(std::move(network), binding, options),
                            Output(binding->skeleton())}) {}
 Rehearsal::~Rehearsal() = default;

@@ -152,7 +152,7 @@ class Rehearsal {
                                            const Options& options);
   // The arguments of the stylist's constructor.
   Rehearsal(std::shared_ptr<const net::Stylizer> network,
-            std::shared_ptr<const rig::Binding> binding, const Options& options);
+            const std::shared_ptr<const rig::Binding>& binding, const Options& options);
   ~Rehearsal();
   Rehearsal(Rehearsal&&) noexcept;
   Rehearsal& operator=(Rehearsal&&) noexcept;
