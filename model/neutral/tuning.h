@@ -43,7 +43,7 @@ inline constexpr float kTogether_m = 0.35F, kApart_m = 0.5F;
 // is learned, below the first nothing. No measurement on record.
 inline constexpr float kArmLifted = 0.2F, kArmHangs = 0.6F;
 // The largest turn that is taken for a carriage, rad. Means of persons and rigs are 20 to 25
-// degrees apart (rms of joints), collars 40 to 45, hips up to 35.
+// degrees apart (rms of joints), collars 40 to 45, hips up to 35. No measurement on record.
 inline constexpr float kMostCollar_rad = 1.05F, kMostTrunk_rad = 0.61F, kMostArm_rad = 0.79F,
                        kMostLeg_rad = 0.61F;
 
