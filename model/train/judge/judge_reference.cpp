@@ -1,11 +1,11 @@
 #include "model/train/judge/judge_reference.h"
 
-#include <array>
 #include <cmath>
 
 #include "model/body/heading.h"
 #include "model/net/weights_file.h"
 #include "model/neutral/neutral.h"
+#include "model/train/judge/judge_carriage.h"
 #include "model/train/judge/judge_evidence.h"
 #include "model/train/judge/judge_stream.h"
 
@@ -15,29 +15,6 @@ namespace {
 using body::kJointCount;
 using body::Pose;
 using body::Quat;
-
-// A weighted mean of rotations that are not far apart: their sum, each in the nearer sign.
-struct MeanCarriage {
-  std::array<Eigen::Vector4f, kJointCount> sums;
-  std::array<double, kJointCount> weights{};
-
-  MeanCarriage() { sums.fill(Eigen::Vector4f::Zero()); }
-  void Add(int joint, const Quat& rotation, float weight) {
-    const auto j = static_cast<std::size_t>(joint);
-    const float sign = rotation.coeffs().dot(sums[j]) < 0 ? -1.0F : 1.0F;
-    sums[j] += sign * weight * rotation.coeffs();
-    weights[j] += static_cast<double>(weight);
-  }
-  bool any() const { return weights[body::kHips] > 0; }
-  // Of joints without a frame, the rotation of `otherwise`.
-  neutral::Carriage Value(const neutral::Carriage& otherwise) const {
-    neutral::Carriage mean = otherwise;
-    for (std::size_t j = 0; j < sums.size(); ++j) {
-      if (weights[j] > 0) mean.rotations[j] = Quat(sums[j]).normalized();
-    }
-    return mean;
-  }
-};
 
 // The speed of the hips over the floor around frame `at`, over 0.2 s as the stylist's.
 float SpeedAt(const std::vector<Pose>& poses, std::size_t at, double rate_hz) {
@@ -69,15 +46,18 @@ std::optional<neutral::Reference> MeasureReference(std::span<const train::Traini
         for (int joint = 0; joint < kJointCount; ++joint) {
           const Quat& rotation = pose.rotations[static_cast<std::size_t>(joint)];
           const float moving = ordinary.Of(joint) * ordinary.moving;
-          walking.Add(joint, rotation, moving * (1 - ordinary.running));
-          running.Add(joint, rotation, moving * ordinary.running);
-          standing.Add(joint, rotation, ordinary.Of(joint) * (1 - ordinary.moving));
+          const auto add = [&](MeanCarriage& mean, float weight) {
+            mean.Add(joint, rotation, static_cast<double>(weight));
+          };
+          add(walking, moving * (1 - ordinary.running));
+          add(running, moving * ordinary.running);
+          add(standing, ordinary.Of(joint) * (1 - ordinary.moving));
         }
       }
     }
   }
   if (!standing.any() || !walking.any()) return std::nullopt;
-  reference.walking = walking.Value({});
+  reference.walking = walking.Value();
   reference.standing = standing.Value(reference.walking);
   reference.running = running.Value(reference.walking);
   return reference;

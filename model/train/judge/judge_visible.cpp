@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/body/heading.h"
+#include "model/train/judge/judge_carriage.h"
 
 namespace styled::judge {
 namespace {
@@ -27,28 +28,15 @@ WorldPose InPlace(const Pose& pose) {
   return world;
 }
 
-// A mean of rotations that are not far apart: their sum, each in the nearer sign.
-class MeanRotations {
- public:
-  MeanRotations() { sums_.fill(Eigen::Vector4d::Zero()); }
-  void Add(const Pose& pose) {
-    WorldPose world;
-    body::ForwardKinematics(pose, world);
-    for (std::size_t j = 0; j < sums_.size(); ++j) {
-      Quat rotation = pose.rotations[j];
-      if (j == body::kHips) rotation = body::Yaw(-body::Heading_rad(world)) * rotation;
-      const Eigen::Vector4d value = rotation.coeffs().cast<double>();
-      sums_[j] += value.dot(sums_[j]) < 0 ? Eigen::Vector4d(-value) : value;
-    }
-    any_ = true;
+void Add(const Pose& pose, MeanCarriage& mean) {
+  WorldPose world;
+  body::ForwardKinematics(pose, world);
+  for (int j = 0; j < kJointCount; ++j) {
+    Quat rotation = pose.rotations[static_cast<std::size_t>(j)];
+    if (j == body::kHips) rotation = body::Yaw(-body::Heading_rad(world)) * rotation;
+    mean.Add(j, rotation);
   }
-  bool any() const { return any_; }
-  Quat operator[](std::size_t joint) const { return Quat(sums_[joint].normalized().cast<float>()); }
-
- private:
-  std::array<Eigen::Vector4d, kJointCount> sums_;
-  bool any_ = false;
-};
+}
 
 }  // namespace
 
@@ -100,22 +88,24 @@ Eigen::VectorXd MeasureShift(std::span<const Pose> input, std::span<const Pose> 
 }
 
 Eigen::VectorXd RealShift(std::span<const train::TrainingClip> clips, int style, int content) {
-  MeanRotations neutral, styled;
+  MeanCarriage unstyled, styled;
   for (const train::TrainingClip& clip : clips) {
     if (clip.content != content || (clip.style != 0 && clip.style != style)) continue;
     for (Pose pose : clip.poses) {
-      MeanRotations& mean = clip.style == 0 ? neutral : styled;
-      mean.Add(pose);
+      MeanCarriage& mean = clip.style == 0 ? unstyled : styled;
+      Add(pose, mean);
       body::Mirror(pose, pose);
-      mean.Add(pose);
+      Add(pose, mean);
     }
   }
-  if (!neutral.any() || !styled.any()) return {};
+  if (!unstyled.any() || !styled.any()) return {};
+  const neutral::Carriage from = unstyled.Value(), to = styled.Value();
   Eigen::VectorXd shift(3 * kJointCount);
   for (int j = 0; j < kJointCount; ++j) {
     const auto joint = static_cast<std::size_t>(j);
     shift.segment<3>(3 * j) =
-        body::Log((neutral[joint].conjugate() * styled[joint]).normalized()).cast<double>();
+        body::Log((from.rotations[joint].conjugate() * to.rotations[joint]).normalized())
+            .cast<double>();
   }
   return shift;
 }
