@@ -42,21 +42,20 @@ class TranslatedUdp final : public Transport {
                 runtime::Counters& counters, std::unique_ptr<Translator> translator)
       : socket_(std::move(socket), source, clock, counters, config.sender_limit_hz),
         source_(source),
-        clock_(clock),
         translator_(std::move(translator)),
         outbox_(source, counters) {}
 
   int DoWork(Receiver& receiver) override {
     const auto datagrams = socket_.Receive();
-    const std::int64_t now_ns = clock_.Now_ns();
-    const bool due = now_ns >= translator_->NextDeadline_ns();
+    const std::int64_t until_ns = socket_.read_until_ns();
+    const bool due = until_ns >= translator_->NextDeadline_ns();
     if (datagrams.empty() && !due) return 0;
     socket_.Announce(source_, receiver);
     outbox_.Open(receiver, socket_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
       translator_->Take(datagrams[i], socket_.Sender(i), socket_.arrived_ns(i), outbox_);
     }
-    translator_->Tick(now_ns, outbox_);
+    translator_->Tick(until_ns, outbox_);
     outbox_.Close();
     return static_cast<int>(datagrams.size()) + (due ? 1 : 0);
   }
@@ -75,7 +74,6 @@ class TranslatedUdp final : public Transport {
  private:
   UdpSocket socket_;
   int source_;
-  runtime::Clock& clock_;
   std::unique_ptr<Translator> translator_;
   Outbox outbox_;
 };

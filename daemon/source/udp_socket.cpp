@@ -36,11 +36,13 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     message.msg_hdr.msg_controllen = sizeof controls_[0];
     message.msg_hdr.msg_namelen = sizeof senders_[0];
   }
-  arrival_clock_.Begin(clock_.Now_ns());
+  const std::int64_t began_ns = clock_.Now_ns();
+  arrival_clock_.Begin(began_ns);
   const int received = recvmmsg(socket_.get(), messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   batch_ = 0;
   if (received <= 0) {
     arrival_clock_.End(true);
+    read_until_ns_ = began_ns;
     return {};
   }
   const auto count = static_cast<std::size_t>(received);
@@ -55,7 +57,9 @@ std::span<const std::span<const std::byte>> UdpSocket::Receive() {
     places_[batch_] = i;
     ++batch_;
   }
-  arrival_clock_.End(count < kBatch);
+  const bool drained = count < kBatch;
+  arrival_clock_.End(drained);
+  read_until_ns_ = drained ? began_ns : last_ns_;
   if (batch_ < count) {
     counters_.AddOf(source_, runtime::Counter::kSourceRateLimited, count - batch_);
   }

@@ -1,5 +1,6 @@
 #include "daemon/source/usb/usb.h"
 
+#include <algorithm>
 #include <string>
 
 #include "daemon/source/outbox.h"
@@ -98,11 +99,11 @@ class TranslatedUsb final : public Usb {
 
   int DoWork(Receiver& receiver) override {
     reports_.Clear();
-    const std::int64_t now_ns = clock_.Now_ns();
-    int work = now_ns >= translator_->NextDeadline_ns() ? 1 : 0;
+    std::int64_t until_ns = clock_.Now_ns();
+    int work = 0;
     outbox_.Open(receiver, -1);
     Reports::Report report;
-    for (std::size_t i = 0; i < kBatch && reports_.Pop(report); ++i) {
+    while (work < static_cast<int>(kBatch) && reports_.Pop(report)) {
       ++work;
       if (report.is_note) {
         outbox_.Note([&report] { return Text(report.bytes); });
@@ -114,7 +115,10 @@ class TranslatedUsb final : public Usb {
       peer.id = report.device;
       translator_->Take(report.bytes, peer, report.arrival_ns, outbox_);
     }
-    translator_->Tick(now_ns, outbox_);
+    // What still waits comes after a silence, if there was one, and must not be taken for it.
+    if (work == static_cast<int>(kBatch)) until_ns = std::min(until_ns, report.arrival_ns);
+    if (until_ns >= translator_->NextDeadline_ns()) ++work;
+    translator_->Tick(until_ns, outbox_);
     outbox_.Close();
     return work;
   }
