@@ -33,7 +33,8 @@ class NeutralInTheDaemon : public testing::Test {
   explicit NeutralInTheDaemon(bool knows_reference = true)
       : config_(MakeConfig(knows_reference)), pipeline_(config_, "styled/rig.a/rig/") {}
 
-  // The rig stands, upright, for some seconds.
+  // The rig stands, upright, for some seconds, and swings its legs: with them far apart it does not
+  // stand in an ordinary way, so that 0.6 of the time counts.
   void Perform(FakePipeline& pipeline, double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 120); ++i) {
       pipeline.clock.now_ns += 8'333'333;
@@ -70,7 +71,8 @@ TEST_F(NeutralInTheDaemon, StatusTellsHowWellItIsKnown) {
   Perform(pipeline_, 3);
   EXPECT_LT(first, 0.5F);
   EXPECT_GT(Told(pipeline_).learned(), 0.8F);
-  EXPECT_GT(Told(pipeline_).body_s(), 2);
+  EXPECT_GT(Told(pipeline_).body_s(), 1.5F);
+  EXPECT_LT(Told(pipeline_).body_s(), 3.1F);
   EXPECT_FALSE(Told(pipeline_).calibrated());
 }
 
