@@ -33,6 +33,9 @@ struct RigRun {
 // style they must be the same.
 struct RigResult {
   int sent = 0, received = 0;        // frames of the first performer
+  // Frames whose sending took longer than a quarter of a period, because the machine ran something
+  // else. A rig that fills many datagrams a frame and marks no end then seems to pause in one.
+  int interrupted = 0;
   int compared = 0;                  // of `received`, those before the style was set
   float worst_deg = 0, worst_m = 0;  // over all joints' local rotations; over the hips' position
   std::string where;                 // joint and frame of worst_deg
@@ -50,7 +53,7 @@ struct RigResult {
 RigResult StreamAsRig(const RigRun& run);
 
 // Expects at most half a degree and half a centimetre of error, no refused or held frames, and at
-// most `may_lack` missing frames.
+// most `may_lack` missing frames. Of frames that were interrupted, some may be held.
 void ExpectTheSameMotion(const RigResult& result, int may_lack = 0);
 
 }  // namespace styled::support
