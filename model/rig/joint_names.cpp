@@ -3,6 +3,7 @@
 #include <cctype>
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "model/rig/dialects.h"
@@ -168,6 +169,10 @@ class NameTable {
       const std::string folded = Fold(std::string_view(names[joint]).substr(prefix));
       joints_.emplace(std::string(StripPrefix(folded)), static_cast<int>(joint));
     }
+    for (const auto& [name, joint] : joints_) {
+      AddSided(name, joint, "left", "l", left_);
+      AddSided(name, joint, "right", "r", right_);
+    }
   }
 
   // The joint of that name, the first in file order if there are two; -1 if there is none.
@@ -180,17 +185,38 @@ class NameTable {
     return joint >= 0 ? joint : Find(std::string("c").append(base));
   }
   int FindSided(std::string_view base, bool left) const {
-    const std::string name(base);
-    const std::string word = left ? "left" : "right";
-    const std::string letter = left ? "l" : "r";
-    for (const std::string& candidate : {word + name, name + word, letter + name, name + letter}) {
-      if (const int joint = Find(candidate); joint >= 0) return joint;
-    }
-    return -1;
+    const Sides& sides = left ? left_ : right_;
+    const auto found = sides.find(base);
+    return found == sides.end() ? -1 : found->second.joint;
   }
 
  private:
+  struct Sided {
+    int joint, rank;  // the lowest rank is preferred: of leftArm, armLeft, lArm, armL the first
+  };
+  struct Hash : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
+  // By the name without its side.
+  using Sides = std::unordered_map<std::string, Sided, Hash, std::equal_to<>>;
+
+  // A binding looks for some 400 names of fingers, so that they are taken apart once.
+  static void AddSided(std::string_view name, int joint, std::string_view word,
+                       std::string_view letter, Sides& sides) {
+    const auto add = [&](std::string_view base, int rank) {
+      const auto [place, is_new] = sides.try_emplace(std::string(base), Sided{joint, rank});
+      if (!is_new && rank < place->second.rank) place->second = {joint, rank};
+    };
+    int rank = 0;
+    for (const std::string_view side : {word, letter}) {
+      if (name.starts_with(side)) add(name.substr(side.size()), rank);
+      if (name.ends_with(side)) add(name.substr(0, name.size() - side.size()), rank + 1);
+      rank += 2;
+    }
+  }
+
   std::map<std::string, int> joints_;
+  Sides left_, right_;
 };
 
 using Finger = std::array<int, kFingerJoints>;
@@ -199,10 +225,11 @@ using Finger = std::array<int, kFingerJoints>;
 Finger FindFinger(const NameTable& table, int finger, bool left) {
   Finger best{-1, -1, -1};
   std::ptrdiff_t most = 0;
+  std::string name;
   const auto look = [&](std::string_view word, const FingerAlias& alias) {
     Finger found;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      found[i] = table.FindSided(std::string(word).append(alias.names[i]), left);
+      found[i] = table.FindSided(name.assign(word).append(alias.names[i]), left);
     }
     const auto count = std::count_if(found.begin(), found.end(), [](int j) { return j >= 0; });
     if (count <= most || (alias.first_two && (found[0] < 0 || found[1] < 0))) return;
