@@ -75,4 +75,27 @@ InputGuard::Jump InputGuard::JudgeJump(double dt_s, float metres, const Options&
   return verdict;
 }
 
+// What is held is published: a pose that no input could be is refused.
+void InputGuard::Carry(Checkpoint& c) noexcept {
+  c(clean_, last_, last_clean_, candidate_);
+  c.Within(candidate_frames_, 0, kMostFrames);
+  c(since_last_s_, has_last_);
+  if (!c.reads() || !c.ok()) return;
+  const auto good = [](const rig::RigPose& pose) {
+    return std::all_of(pose.translations.begin(), pose.translations.end(),
+                       [](const auto& translation) { return Good(translation); }) &&
+           std::all_of(pose.rotations.begin(), pose.rotations.end(),
+                       [](const auto& rotation) { return Good(rotation); });
+  };
+  const auto unit = [](const rig::RigPose& pose) {
+    return std::all_of(pose.rotations.begin(), pose.rotations.end(), [](const auto& rotation) {
+      return std::abs(rotation.squaredNorm() - 1) < tuning::kInputUnitTolerance;
+    });
+  };
+  if (!good(clean_) || !good(last_) || !good(last_clean_) || !unit(clean_) || !unit(last_clean_) ||
+      !candidate_.allFinite() || !std::isfinite(since_last_s_)) {
+    c.Refuse();
+  }
+}
+
 }  // namespace styled::stylist

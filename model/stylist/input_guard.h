@@ -35,11 +35,7 @@ class InputGuard {
   const rig::RigPose& clean() const { return clean_; }
   STYLED_REALTIME void Reset() noexcept { has_last_ = false; }
   // See model/base/checkpoint.h.
-  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
-    c(clean_, last_, last_clean_, candidate_);
-    c.Within(candidate_frames_, 0, kMostFrames);
-    c(since_last_s_, has_last_);
-  }
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
  private:
   // Of candidate_frames_, which are accepted after Options::jump_accept_frames, at most 1000.

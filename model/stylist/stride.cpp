@@ -33,9 +33,15 @@ Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noe
 
 namespace {
 
+// Wherever a performer gets on foot within days; beyond, a float's steps are seen.
+constexpr double kFarthest_m = 1e5;
+
 // A factor that follows exp(`log_target`), and is exactly 1 where it settles at 1.
 float FollowFactor(CriticallyDamped& log_factor, float log_target, float dt_s,
                    float tau_s) noexcept {
+  // Where a stage's state is not sound, which the output will show, the way stays the performer's:
+  // what it gained once would stay.
+  if (!std::isfinite(log_target)) log_target = 0;
   const float log = log_factor.Follow(log_target, dt_s, tau_s);
   if (log_target == 0 && std::abs(log) < tuning::kStrideSettled) log_factor.Start(0);
   return log_factor.value() == 0 ? 1.0F : std::exp(log_factor.value());
@@ -51,6 +57,26 @@ void Stride::Scale(const GaitChange& change, float dt_s, float settle_s) noexcep
   travel_.moved_m = gained_m_.cast<float>();
   travel_.longer = factor_ - 1;
   travel_.along = velocity_mps_ / std::max(speed_mps(), tuning::kStrideStanding_mps);
+}
+
+// What has been gained is added to the performer's own place, even where nothing is styled.
+void Stride::Carry(Checkpoint& c) noexcept {
+  c(gained_m_, last_m_, step_m_, velocity_mps_, seen_, placed_, log_factor_, log_cadence_, factor_,
+    cadence_, travel_);
+  if (!c.reads() || !c.ok()) return;
+  const auto finite = [](float value) { return std::isfinite(value); };
+  // Its speed is seen in the next value. Beyond it the factor would overflow.
+  const auto bounded = [](CriticallyDamped log) {
+    constexpr float kMost = 10;
+    return std::abs(log.value()) <= kMost && std::abs(log.Follow(0, 0.01F, 1)) <= kMost;
+  };
+  const bool near = gained_m_.allFinite() && gained_m_.norm() <= kFarthest_m &&
+                    travel_.moved_m.isApprox(gained_m_.cast<float>());
+  const bool sound = last_m_.allFinite() && step_m_.allFinite() && velocity_mps_.allFinite() &&
+                     seen_ >= 0 && seen_ <= 1 && bounded(log_factor_) && bounded(log_cadence_) &&
+                     finite(factor_) && finite(cadence_) && finite(travel_.longer) &&
+                     travel_.along.allFinite();
+  if (!near || !sound) c.Refuse();
 }
 
 namespace {

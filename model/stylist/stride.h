@@ -54,10 +54,7 @@ class Stride {
   // The performer is in another place: styled and own hips agree again.
   STYLED_REALTIME void Reset() noexcept { *this = Stride(); }
   // See model/base/checkpoint.h.
-  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
-    c(gained_m_, last_m_, step_m_, velocity_mps_, seen_, placed_, log_factor_, log_cadence_,
-      factor_, cadence_, travel_);
-  }
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
  private:
   enum class Step { kNone, kTaken };

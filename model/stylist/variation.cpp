@@ -29,7 +29,7 @@ void Variation::Carry(Checkpoint& c) noexcept {
   }
   c.Within(count_, 0, active_.size());
   // A knot's number is a whole number of the phase.
-  if (!(phase_ >= 0 && phase_ < kMostKnots)) c.Refuse();
+  if (!(phase_ >= 0 && phase_ <= kMostKnots)) c.Refuse();
 }
 
 void Variation::Aim(const Settings& settings, bool at_once) noexcept {
@@ -55,7 +55,10 @@ void Variation::Advance(double dt_s) noexcept {
   dt_s = std::max(0.0, dt_s);
   elapsed_s_ += dt_s;
   amount_elapsed_s_ += dt_s;
-  if (drift_s_ > 0) phase_ += dt_s / static_cast<double>(drift_s_);
+  // A drift of next to no time passes more knots than can be numbered.
+  if (drift_s_ > 0) {
+    phase_ = std::min(phase_ + dt_s / static_cast<double>(drift_s_), kMostKnots);
+  }
   amount_ =
       amount_from_ + (amount_to_ - amount_from_) * Share(amount_elapsed_s_, amount_duration_s_);
   const float share = Share(elapsed_s_, duration_s_);

@@ -197,6 +197,44 @@ TEST_F(CheckpointOf, TheShippedNetworksGoOn) {
   GoesOn(both.value(), 97);
 }
 
+// Whatever number of a checkpoint is none: it is refused, or what is published is sound.
+TEST_F(CheckpointOf, NumbersThatAreNoneAreNotPublished) {
+  options.limb_gate = false;
+  const std::vector<Moment> show = Show(*binding, 1);
+  Stylist stylist(erd::RandomStylizer(5, 1), binding, options);
+  Output out(binding->skeleton());
+  constexpr std::size_t kTaken = 111;  // in the next frames a joint is not tracked, and held
+  for (std::size_t frame = 0; frame < kTaken; ++frame) {
+    Direct(static_cast<int>(frame), 5, stylist);
+    stylist.Process(show[frame].time_ns, show[frame].pose, out);
+  }
+  const std::vector<std::byte> sound = Bytes(stylist);
+  std::size_t read = 0;
+  for (const float value :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30F}) {
+    // A value of which nothing is looked at may be at any place.
+    for (std::size_t at = 0; at + sizeof value <= sound.size(); at += 3) {
+      std::vector<std::byte> bytes = sound;
+      std::memcpy(&bytes[at], &value, sizeof value);
+      if (!Read(stylist, bytes)) continue;
+      ++read;
+      for (std::size_t frame = kTaken; frame < kTaken + 2; ++frame) {
+        stylist.Process(show[frame].time_ns, show[frame].pose, out);
+        for (const rig::RigPose* pose : {&out.rig, &out.source}) {
+          for (const auto& rotation : pose->rotations) {
+            ASSERT_NEAR(rotation.squaredNorm(), 1, 2e-3F) << value << " at byte " << at;
+          }
+          for (const auto& place : pose->translations) {
+            ASSERT_TRUE(place.allFinite()) << value << " at byte " << at << " of " << bytes.size();
+          }
+        }
+        ASSERT_TRUE(out.canonical.hips_position_m.allFinite()) << value << " at byte " << at;
+      }
+    }
+  }
+  EXPECT_GT(read, 1000U) << "not all are refused";
+}
+
 TEST_F(CheckpointOf, AnAvatarGoesOn) {
   const auto network = erd::RandomStylizer(5, 1);
   options.limb_gate = false;

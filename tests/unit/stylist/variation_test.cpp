@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "model/base/checkpoint_bytes.h"
 #include "model/stylist/mixer.h"
 
 namespace styled::stylist {
@@ -48,6 +49,17 @@ float Sum(const Weights& weights) {
   float sum = 0;
   for (const auto& [variation, weight] : weights) sum += weight;
   return sum;
+}
+
+TEST(VariationTest, ADriftOfNextToNoTimeIsNumberedAllTheSame) {
+  Variation variation;
+  variation.Aim(Vary(7, 0, 1, 1e-38F), false);
+  for (int i = 0; i < 100; ++i) variation.Advance(kFrame_s);
+  EXPECT_NEAR(Sum(Of(variation.in_force())), 1, 1e-3);
+  const auto bytes = CheckpointBytes([&](Checkpoint& c) { variation.Carry(c); });
+  Checkpoint c = Checkpoint::From(bytes);
+  Variation(variation).Carry(c);
+  EXPECT_TRUE(c.complete());
 }
 
 TEST(VariationTest, WithoutOneTheStyleIsShownItself) {
