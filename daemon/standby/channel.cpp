@@ -16,8 +16,10 @@ constexpr int kQueue = 20'000;
 
 class ZmqChannel final : public Channel {
  public:
-  ZmqChannel(runtime::ZmqSocket publisher, runtime::ZmqSocket subscriber)
-      : publisher_(std::move(publisher)), subscriber_(std::move(subscriber)) {
+  ZmqChannel(runtime::ZmqSocket publisher, runtime::ZmqSocket subscriber, std::string peer)
+      : publisher_(std::move(publisher)),
+        subscriber_(std::move(subscriber)),
+        peer_(std::move(peer)) {
     zmq_msg_init(&message_);
   }
   ~ZmqChannel() override { zmq_msg_close(&message_); }
@@ -54,8 +56,16 @@ class ZmqChannel final : public Channel {
     zmq_setsockopt(subscriber_.get(), ZMQ_UNSUBSCRIBE, last.data(), last.size());
   }
 
+  // libzmq connects again to an address where nobody listens, or that is not ZeroMQ in time; but it
+  // gives up one that breaks the protocol: another type of socket, too large a message, bytes.
+  void Reconnect() override {
+    (void)zmq_disconnect(subscriber_.get(), peer_.c_str());
+    (void)zmq_connect(subscriber_.get(), peer_.c_str());
+  }
+
  private:
   runtime::ZmqSocket publisher_, subscriber_;
+  std::string peer_;
   zmq_msg_t message_;
   std::uint64_t asked_ = 0;
 };
@@ -82,7 +92,7 @@ Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
   subscriber.Set(ZMQ_RCVHWM, kQueue);
   subscriber.Set(ZMQ_LINGER, 0);
   subscriber.Set(ZMQ_RECONNECT_IVL, 100);
-  // What listens at the peer's address and is no ZeroMQ is left, and tried again.
+  // What listens at the peer's address and says nothing is left, and tried again.
   subscriber.Set(ZMQ_HANDSHAKE_IVL, 1000);
   subscriber.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxMessageBytes));
   // A machine that is gone without a word is noticed by its silence; its connection ends, too.
@@ -95,7 +105,8 @@ Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
   }
   opened.publish_fd = publisher.Get(ZMQ_FD);
   opened.subscribe_fd = subscriber.Get(ZMQ_FD);
-  opened.channel = std::make_unique<ZmqChannel>(std::move(publisher), std::move(subscriber));
+  opened.channel =
+      std::make_unique<ZmqChannel>(std::move(publisher), std::move(subscriber), config.peer);
   return opened;
 }
 

@@ -35,6 +35,9 @@ class Channel {
   virtual Subscription NextSubscription() = 0;
   // Asks the other daemon for everything anew: a subscription begins there.
   virtual void Ask() = 0;
+  // Connects to the other daemon's address anew. Call it while nothing is heard from there: another
+  // program that answered in its place may have ended the connection for good.
+  virtual void Reconnect() {}
 };
 
 // A Channel over ZeroMQ: an XPUB socket bound at `address`, and a SUB socket connected to `peer`.

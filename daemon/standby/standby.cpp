@@ -20,6 +20,8 @@ constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62U;
 constexpr std::uint64_t kLeastHold_ns = 10'000'000, kMostHold_ns = 10'000'000'000;
 // A daemon of whom nothing was heard for so long does not listen.
 constexpr std::int64_t kHeard_ns = 1'000'000'000;
+// To a daemon of whom nothing is heard one connects anew, so often.
+constexpr std::int64_t kReconnect_ns = 2'000'000'000;
 // The answer to Ask comes with the leader's next turn.
 constexpr std::int64_t kAnswer_ns = 1'000'000'000;
 // Signs of life per hold: one may be lost to a turn that takes long.
@@ -102,6 +104,7 @@ Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config
       publisher_(publisher, clock),
       roles_(daemon, config.first, runtime::Nanoseconds(config.hold_s)),
       epoch_(daemon),
+      reconnected_ns_(clock.Now_ns()),
       setup_said_ns_(clock.Now_ns() - kSetupEvery_ns),
       next_state_ns_(clock.Now_ns() - kStateEvery_ns * (kStatesAtOnce - 1)) {
   publisher_.Hold();
@@ -276,6 +279,10 @@ Standby::Change Standby::OnTime() {
   if (change != Change::kNone || now_ns - said_ns_ >= beat_ns_) {
     (void)NewEntry();
     Send(now_ns, clock_.base().Wall_ns());
+  }
+  if (now_ns - std::max(heard_ns_, reconnected_ns_) >= kReconnect_ns) {
+    channel_->Reconnect();
+    reconnected_ns_ = now_ns;
   }
   const bool late = asking_ && now_ns - asked_ns_ >= kAnswer_ns;
   const bool stuck = (sync_ == Sync::kFetching || (sync_ == Sync::kReady && !why_not_.empty())) &&

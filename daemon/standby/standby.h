@@ -178,7 +178,7 @@ class Standby {
   bool asking_ = false;  // no Beginning has come since
   bool gap_ = false;     // entries were lost since the last Beginning
   std::uint64_t heard_daemon_ = 0, heard_number_ = 0;
-  std::int64_t heard_ns_ = 0;
+  std::int64_t heard_ns_ = 0, reconnected_ns_ = 0;
   std::int64_t listened_ns_ = 0;  // when somebody subscribed last, or the other daemon was heard
   // The leader's clock minus this daemon's: the largest difference seen is that of the fastest
   // message.

@@ -235,6 +235,28 @@ TEST_F(HostilePairTest, AProgramAtThePeersAddressThatIsNoDaemonChangesNothing) {
   ExpectOneLeads(*one, *other);
 }
 
+// libzmq gives up an address at which the protocol was broken once.
+TEST_F(HostilePairTest, AProgramThereThatBreaksTheProtocolDoesNotDeafenTheLeader) {
+  const auto one = Start(0);
+  ASSERT_TRUE(Leads(*one));
+  {
+    Socket stranger(ZMQ_REP);
+    ASSERT_EQ(zmq_bind(stranger.get(), Journal(1).c_str()), 0);
+    Sleep(1);
+  }
+  (void)::unlink((folder_ / "journal1").c_str());
+  const auto other = Start(1);
+  ASSERT_TRUE(Follows(*other));
+  EXPECT_TRUE(Becomes(*one, [](const auto& state) { return state.heard(); }));
+  // Only who is heard can be given way to.
+  one->child->Signal(SIGSTOP);
+  Sleep(0.6);
+  one->child->Signal(SIGCONT);
+  ASSERT_TRUE(Leads(*other));
+  ASSERT_TRUE(Follows(*one));
+  ExpectOneLeads(*one, *other);
+}
+
 TEST_F(HostilePairTest, AStandbyOfOtherSettingsSaysWhichAndLeadsAllTheSame) {
   const auto one = Start(0),
              other = Start(1, "[model]\nfeet = false\n[performers]\nlate_ms = 30\n");
