@@ -8,6 +8,7 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "clients/cpp/links.h"
 #include "clients/cpp/reach.h"
 #include "clients/cpp/transforms.h"
 
@@ -131,14 +132,14 @@ bool IsPerformerId(std::string_view id) noexcept {
 struct Subscriber::Impl {
   SubscriberOptions options;
   zmq::context_t context{1};
-  zmq::socket_t socket, monitor;
+  zmq::socket_t socket;
+  Links links;
   zmq::message_t topic, payload;
   // The bundle that was read last, the first of its frames that was not accepted yet, and its
   // stream. Null: the last message was not a bundle.
   v1::Frames frames;
   int next_frame = 0;
   const StreamTopic* bundle = nullptr;
-  int links = 0;
   SubscriberCounters counters;
   std::map<std::string, StreamState, std::less<>> streams;  // by topic
   std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
@@ -178,15 +179,7 @@ void Subscriber::Impl::Open() {
     socket.set(zmq::sockopt::curve_publickey, options.curve->public_key);
     socket.set(zmq::sockopt::curve_secretkey, options.curve->secret_key);
   }
-  std::array<char, 64> name{};
-  std::snprintf(name.data(), name.size(), "inproc://monitor-%p", static_cast<void*>(this));
-  if (zmq_socket_monitor(socket.handle(), name.data(),
-                         ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) != 0) {
-    throw zmq::error_t();
-  }
-  monitor = zmq::socket_t(context, zmq::socket_type::pair);
-  monitor.set(zmq::sockopt::linger, 0);
-  monitor.connect(name.data());
+  links.Watch(context, socket, options.endpoints);
   if (options.performer.empty()) {
     // Finds the performers; then each one's own topics.
     socket.set(zmq::sockopt::subscribe, kBodyTopic);
@@ -224,10 +217,14 @@ void Subscriber::Impl::SubscribeToAvatar(std::string_view performer, std::string
 }
 
 bool Subscriber::Impl::Wait(Clock::time_point deadline) {
-  const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
   zmq::pollitem_t item{socket.handle(), 0, ZMQ_POLLIN, 0};
   try {
-    return zmq::poll(&item, 1, std::max(left, milliseconds(0))) > 0;
+    for (;;) {
+      links.RenewDead();
+      const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+      if (zmq::poll(&item, 1, std::clamp(left, milliseconds(0), Links::kLook)) > 0) return true;
+      if (left <= Links::kLook) return false;
+    }
   } catch (const zmq::error_t&) {
     return false;  // interrupted by a signal
   }
@@ -514,22 +511,7 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
   return static_cast<int>(count);
 }
 
-int Subscriber::connected() {
-  try {
-    zmq::message_t event, address;
-    while (impl_->monitor.recv(event, zmq::recv_flags::dontwait)) {
-      if (event.more() && !impl_->monitor.recv(address, zmq::recv_flags::none)) break;
-      if (event.size() < 2) continue;
-      std::uint16_t number = 0;
-      std::copy_n(static_cast<const char*>(event.data()), 2, reinterpret_cast<char*>(&number));
-      // A failed handshake also ends in a disconnection, but was never counted.
-      impl_->links = std::max(0, impl_->links + (number == ZMQ_EVENT_HANDSHAKE_SUCCEEDED ? 1 : -1));
-    }
-  } catch (const zmq::error_t&) {
-    return impl_->links;
-  }
-  return impl_->links;
-}
+int Subscriber::connected() { return impl_->links.Count(); }
 
 std::vector<std::string> Subscriber::performers() const {
   std::vector<std::string> names;

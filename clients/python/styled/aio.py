@@ -39,7 +39,8 @@ class Subscriber:
         self._links = listening.Links(context, self._socket)
         self._close.sockets.append(self._links.socket)
         try:
-            listening.open_socket(self._socket, self._inbox, endpoints, queue_messages, curve)
+            listening.open_socket(self._socket, self._inbox, endpoints, queue_messages, curve,
+                                  self._links)
         except BaseException:
             self.close()
             raise
@@ -118,15 +119,14 @@ class Subscriber:
                 return update
 
     async def _wait(self, end: Optional[float]) -> bool:
-        while self._inbox.doubts.pending():
-            if self._inbox.doubts.due():
+        while True:
+            if self._inbox.doubts.pending() and self._inbox.doubts.due():
                 listening.tell_doubts(self._inbox, self._links)
+            self._links.renew_dead()
             if await _is_readable(self._socket, listening.slice_s(end)):
                 return True
             if end is not None and time.monotonic() >= end:
                 return False
-        left = None if end is None else max(0.0, end - time.monotonic())
-        return await _is_readable(self._socket, left)
 
 
 if TYPE_CHECKING:

@@ -17,16 +17,18 @@ DEFAULT_PUBLISHER = 'tcp://127.0.0.1:7001'
 MAX_MESSAGE_BYTES = 1 << 20  # a body of 1024 long names fits
 MAX_DRAIN = 10_000           # limit of messages per receive_latest
 STALE_S = 0.05               # later than usual by this: newer frames are still queued
+RENEW_S = 2.0                # where no connection is live for so long, one connects anew
 LONGEST_CATCH_UP_S = 0.5     # a connection that was lost meanwhile is restored by then
 _monitors = itertools.count()
 
 
 def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable[str]],
-                queue_messages: int, curve: Optional[Curve]) -> None:
+                queue_messages: int, curve: Optional[Curve], links: 'Links') -> None:
     """Sets up and connects a SUB socket of pyzmq, blocking or asyncio."""
     endpoints = checks.endpoints(endpoints, DEFAULT_PUBLISHER)
     curve = checks.curve(curve)
     inbox.several = len(endpoints) > 1
+    links.endpoints = list(endpoints)
     socket.linger = 0
     socket.rcvhwm = checks.messages('queue_messages', queue_messages)
     socket.maxmsgsize = MAX_MESSAGE_BYTES
@@ -58,7 +60,9 @@ def end_of(timeout: Optional[float]) -> Optional[float]:
 
 
 class Links:
-    """Counts the endpoints of a socket that have a live connection."""
+    """The connections of one SUB socket to its endpoints: counts those that are live, and makes anew
+    those that are dead. libzmq connects again by itself to an address where nobody listens, but gives
+    up one that breaks the protocol, although a daemon may come there later."""
 
     def __init__(self, context: zmq.Context, socket: zmq.Socket):
         address = f'inproc://styled-monitor-{next(_monitors)}'
@@ -66,7 +70,10 @@ class Links:
         self._monitor = zmq.Context.shadow(context.underlying).socket(zmq.PAIR)
         self._monitor.linger = 0
         self._monitor.connect(address)
-        self._links = 0
+        self._subscriber = socket
+        self._live: List[str] = []  # addresses as libzmq writes them
+        self._renewed_s = self._looked_s = time.monotonic()
+        self.endpoints: List[str] = []
 
     @property
     def socket(self) -> zmq.Socket:
@@ -74,11 +81,40 @@ class Links:
 
     def count(self) -> int:
         while self._monitor.poll(0):
-            event = int.from_bytes(self._monitor.recv_multipart()[0][:2], 'little')
-            # A failed handshake also ends in a disconnection, but was never counted.
-            step = 1 if event == zmq.EVENT_HANDSHAKE_SUCCEEDED else -1
-            self._links = max(0, self._links + step)
-        return self._links
+            event, address = self._monitor.recv_multipart()[:2]
+            place = address.decode(errors='replace')
+            if int.from_bytes(event[:2], 'little') == zmq.EVENT_HANDSHAKE_SUCCEEDED:
+                self._live.append(place)
+            elif place in self._live:  # a failed handshake also ends in a disconnection
+                self._live.remove(place)
+        return len(self._live)
+
+    def renew_dead(self) -> None:
+        """Call while nothing arrives; it looks twice a second. Of several endpoints those that are live stay
+        as they are; of names, which libzmq's events do not tell, none is made anew while another is
+        live."""
+        now_s = time.monotonic()
+        if now_s - self._looked_s < LOOK_S:
+            return
+        self._looked_s = now_s
+        if self.count() >= len(self.endpoints):
+            self._renewed_s = now_s
+        if now_s - self._renewed_s < RENEW_S:
+            return
+        self._renewed_s = now_s
+        for endpoint in self.endpoints:
+            if endpoint in self._live or (self._live and _has_host_name(endpoint)):
+                continue
+            try:
+                self._subscriber.disconnect(endpoint)
+            except zmq.ZMQError:
+                pass  # libzmq has forgotten it already
+            self._subscriber.connect(endpoint)
+
+
+def _has_host_name(endpoint: str) -> bool:
+    host = endpoint.removeprefix('tcp://')
+    return host != endpoint and not host.startswith('[') and bool(host.strip('0123456789.:'))
 
 
 def slice_s(end: Optional[float]) -> float:
@@ -124,7 +160,7 @@ class Subscriber:
         self._links = Links(context, self._socket)
         self._close.sockets.append(self._links.socket)
         try:
-            open_socket(self._socket, self._inbox, endpoints, queue_messages, curve)
+            open_socket(self._socket, self._inbox, endpoints, queue_messages, curve, self._links)
         except BaseException:
             self.close()
             raise
@@ -214,13 +250,11 @@ class Subscriber:
                 return update
 
     def _wait(self, end: Optional[float]) -> bool:
-        while self._inbox.doubts.pending():
-            if self._inbox.doubts.due():
+        while True:
+            if self._inbox.doubts.pending() and self._inbox.doubts.due():
                 tell_doubts(self._inbox, self._links)
+            self._links.renew_dead()
             if self._socket.poll(checks.milliseconds(slice_s(end))):
                 return True
             if end is not None and time.monotonic() >= end:
                 return False
-        if end is None:
-            return bool(self._socket.poll())
-        return bool(self._socket.poll(checks.milliseconds(end - time.monotonic())))

@@ -418,5 +418,31 @@ TEST(SubscriberReconnect, ComesBackByItselfWhenTheDaemonDoes) {
   EXPECT_EQ(subscriber->connected(), 1);
 }
 
+// libzmq gives up an address at which the protocol was broken once.
+TEST(SubscriberReconnect, ComesBackWhereAnotherProgramBrokeTheProtocol) {
+  const v1::Body rig = HumanoidBody("rig.a", v1::OUTPUT_RIG, 11);
+  auto first = std::make_unique<FakeDaemon>();
+  const std::string endpoint = first->publisher();
+  auto subscriber = Listen(*first, OnlyA());
+  ASSERT_TRUE(first->WaitForSubscription(std::string(kRigTopic)));
+  first.reset();
+  Update update;
+  {
+    zmq::context_t context;
+    zmq::socket_t stranger(context, zmq::socket_type::rep);
+    stranger.set(zmq::sockopt::linger, 0);
+    stranger.bind(endpoint);
+    for (int i = 0; i < 100; ++i) subscriber->Receive(10ms, update);
+  }
+  FakeDaemon second({}, endpoint);
+  second.AddBody(rig);
+  for (int i = 0; i < 1000 && !second.Subscribed(std::string(kRigTopic)); ++i) {
+    subscriber->Receive(10ms, update);
+  }
+  second.Publish(std::string(kRigTopic), HumanoidFrame(rig, body::Pose(), 1, 2));
+  EXPECT_EQ(Frames(*subscriber, 1).size(), 1U);
+  EXPECT_EQ(subscriber->connected(), 1);
+}
+
 }  // namespace
 }  // namespace styled::client
