@@ -42,6 +42,8 @@ class ArrivalClock {
     if (drained) empty_ns_ = began_ns_;
   }
   std::int64_t now_ns() const noexcept { return now_ns_; }  // of the last Received()
+  // When nothing was waiting last; the beginning of time before that was seen.
+  std::int64_t empty_ns() const noexcept { return empty_ns_; }
 
  private:
   // A datagram is stamped some time before the socket has it, and clocks are not read at once.

@@ -166,10 +166,9 @@ runtime::Counter Decode(std::span<const std::byte> bytes, SourceFrame& frame) no
 NativeDecoder::NativeDecoder(int source, runtime::Counters& counters)
     : source_(source), counters_(counters) {}
 
-void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams,
-                           std::span<const Machine> senders, Receiver& receiver,
-                           std::span<const std::int64_t> arrivals_ns) {
-  runtime::HotSection hot;
+std::size_t NativeDecoder::DecodeAll(std::span<const std::span<const std::byte>> datagrams,
+                                     std::span<const Machine> senders,
+                                     std::span<const std::int64_t> arrivals_ns) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
     const runtime::Counter refused = Decode(datagrams[i], frames_[count]);
@@ -181,9 +180,46 @@ void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams
     frames_[count++].machine = i < senders.size() ? senders[i] : Machine{};
   }
   counters_.Add(runtime::Counter::kSourceReceived, datagrams.size() - count);
+  return count;
+}
+
+void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> datagrams,
+                           std::span<const Machine> senders, Receiver& receiver,
+                           std::span<const std::int64_t> arrivals_ns) {
+  runtime::HotSection hot;
+  const std::size_t count = DecodeAll(datagrams, senders, arrivals_ns);
   hot.Leave();  // the pipeline enters a section of its own
   if (count == 0) return;
   receiver.OnFrames(source_, std::span(frames_).first(count), datagrams.size() == kBatch);
+}
+
+void NativeDecoder::HandOn(std::span<const std::span<const std::byte>> records,
+                           std::span<const Machine> senders, Receiver& receiver,
+                           const ReadTogether& read) {
+  runtime::HotSection hot;
+  const std::size_t count = DecodeAll(records, senders, {});
+  Spread(std::span(frames_).first(count), read);
+  hot.Leave();
+  if (count == 0) return;
+  receiver.OnFrames(source_, std::span(frames_).first(count), records.size() == kBatch);
+}
+
+void NativeDecoder::Spread(std::span<SourceFrame> frames, const ReadTogether& read) noexcept {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    SourceFrame& frame = frames[i];
+    frame.arrival_ns = read.last_ns;
+    if (frame.is_body) continue;
+    const SourceFrame* last = &frame;
+    for (const SourceFrame& later : frames.subspan(i + 1)) {
+      if (!later.is_body && later.performer == frame.performer) last = &later;
+    }
+    // Clocks of rigs may go back, and may say anything.
+    if (last->source_time_ns <= frame.source_time_ns) continue;
+    const std::uint64_t before_ns = last->source_time_ns - frame.source_time_ns;
+    const auto most_ns =
+        static_cast<std::uint64_t>(std::max<std::int64_t>(0, read.last_ns - read.not_before_ns));
+    frame.arrival_ns -= static_cast<std::int64_t>(std::min(before_ns, most_ns));
+  }
 }
 
 }  // namespace styled::source

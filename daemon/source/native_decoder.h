@@ -13,6 +13,12 @@
 
 namespace styled::source {
 
+// Of records that one read of a stream returned, the kernel tells when the last byte arrived.
+struct ReadTogether {
+  std::int64_t last_ns = 0;        // then
+  std::int64_t not_before_ns = 0;  // nothing had arrived until then
+};
+
 // Decodes the native protocol (proto/styled/v1/WIRE.md) into SourceFrames, for UDP, TCP, USB and
 // recordings alike. Datagrams that cannot be decoded are counted for the source and dropped: bad
 // header or checksum (proto/rigs/native), malformed message (source.malformed), performer without a
@@ -28,17 +34,26 @@ class NativeDecoder {
   void HandOn(std::span<const std::span<const std::byte>> datagrams,
               std::span<const Machine> senders, Receiver& receiver,
               std::span<const std::int64_t> arrivals_ns = {});
+  // The same of a stream's records. Before a performer's last frame the others arrived as far apart
+  // as the rig took them: else what waited while the loop was held up would all seem to be new.
+  void HandOn(std::span<const std::span<const std::byte>> records, std::span<const Machine> senders,
+              Receiver& receiver, const ReadTogether& read);
 
  private:
+  std::size_t DecodeAll(std::span<const std::span<const std::byte>> datagrams,
+                        std::span<const Machine> senders,
+                        std::span<const std::int64_t> arrivals_ns);
+  void Spread(std::span<SourceFrame> frames, const ReadTogether& read) noexcept;
+
   int source_;
   runtime::Counters& counters_;
   std::array<SourceFrame, kBatch> frames_;
 };
 
-enum class [[nodiscard]] FrameResult : std::uint8_t {
-  kOk,
-  kMalformed,  // not valid protobuf, or a field of the wrong type
-  kBadName,    // performer is not [A-Za-z0-9_-]{1,32}
+enum class [[nodiscard]] FrameResult : std::uint8_t{
+    kOk,
+    kMalformed,  // not valid protobuf, or a field of the wrong type
+    kBadName,    // performer is not [A-Za-z0-9_-]{1,32}
 };
 
 // Parses a serialized v1::SourceFrame without protobuf objects, which would allocate for a frame's

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
+#include <ctime>
 #include <type_traits>
 #include <vector>
 
 #include "daemon/runtime/sockets.h"
+#include "daemon/source/arrival_clock.h"
 #include "daemon/source/cut_reader.h"
 #include "daemon/source/native_decoder.h"
 #include "daemon/source/note_limit.h"
@@ -100,6 +103,8 @@ class Tcp final : public Transport {
     std::int64_t accepted_ns,
         record_ns;  // when the last record came; before the first, accepted_ns
     bool any_record = false;
+    ArrivalClock arrival;
+    std::int64_t arrived_ns = 0;  // the last byte that was read
   };
   using Owned = std::unique_ptr<Connection>;
   using Connections = std::vector<Owned>;
@@ -125,6 +130,7 @@ class Tcp final : public Transport {
     const int one = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
     setsockopt(socket.get(), SOL_SOCKET, SO_KEEPALIVE, &one, sizeof one);
+    setsockopt(socket.get(), SOL_SOCKET, SO_TIMESTAMPNS, &one, sizeof one);
     auto connection = std::make_unique<Connection>(std::move(socket), ++accepted_, now_ns);
     connection->address = address;
     connection->address_size = address_size;
@@ -195,8 +201,10 @@ class Tcp final : public Transport {
     if (connection.socket.get() < 0) return 0;  // closed earlier in this batch of events
     const auto all = connection.reader.Space();
     const auto space = all.first(std::min(all.size(), kReadBytes));
-    const auto size = recv(connection.socket.get(), space.data(), space.size(), 0);
+    connection.arrival.Begin(clock_.Now_ns());
+    const auto size = Read(connection, space);
     if (size <= 0) {
+      if (size < 0) connection.arrival.End(errno == EAGAIN);
       if (size < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
       if (connection.reader.Pending() > 0) counters_.Add(Counter::kSourceTcpCutShort);
       Close(connection);
@@ -205,6 +213,8 @@ class Tcp final : public Transport {
     const auto piece = space.first(static_cast<std::size_t>(size));
     Announce(connection, piece, receiver);
     connection.reader.Received(piece.size());
+    const ReadTogether read{connection.arrived_ns, connection.arrival.empty_ns()};
+    connection.arrival.End(piece.size() < space.size());
     int work = 1;
     while (true) {
       std::size_t count = 0;
@@ -218,7 +228,7 @@ class Tcp final : public Transport {
       if (count > 0) {
         connection.any_record = true;
         connection.record_ns = clock_.Now_ns();
-        HandOn(connection, {records_.data(), count}, receiver);
+        HandOn(connection, {records_.data(), count}, read, receiver);
       }
       work += static_cast<int>(count);
       if (result == Reader::Result::kNeedMore) return work;
@@ -240,15 +250,39 @@ class Tcp final : public Transport {
   }
 
   void HandOn(const Connection& connection, std::span<const std::span<const std::byte>> records,
-              Receiver& receiver) {
+              const ReadTogether& read, Receiver& receiver) {
     if (translator_ == nullptr) {
       std::fill_n(machines_.begin(), records.size(), MachineOf(connection.address));
-      return decoder_.HandOn(records, std::span(machines_).first(records.size()), receiver);
+      return decoder_.HandOn(records, std::span(machines_).first(records.size()), receiver, read);
     }
-    const std::int64_t now_ns = clock_.Now_ns();
     outbox_.Open(receiver, -1);
-    for (const auto record : records) translator_->Take(record, connection.peer, now_ns, outbox_);
+    for (const auto record : records) {
+      translator_->Take(record, connection.peer, read.last_ns, outbox_);
+    }
     outbox_.Close();
+  }
+
+  // As recv; and when the last byte arrived at the kernel.
+  ssize_t Read(Connection& connection, std::span<std::byte> space) noexcept {
+    iovec place{space.data(), space.size()};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control;
+    msghdr message{};
+    message.msg_iov = &place;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t size = recvmsg(connection.socket.get(), &message, 0);
+    if (size <= 0) return size;
+    connection.arrival.Received(clock_);
+    connection.arrived_ns = connection.arrival.now_ns();
+    for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+      if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+      connection.arrived_ns =
+          connection.arrival.Arrival_ns(stamp.tv_sec * runtime::kSecond_ns + stamp.tv_nsec);
+    }
+    return size;
   }
 
   static Counter WhyBroken(const StreamReader& reader) {

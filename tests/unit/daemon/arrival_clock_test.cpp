@@ -2,11 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/wall_offset.h"
+#include "daemon/source/tcp.h"
 #include "daemon/source/udp_socket.h"
 #include "tests/support/rig.h"
 
@@ -157,6 +162,69 @@ TEST_F(UdpSocketTest, TheArrivalIsTheKernelsHoweverLongTheLoopWasHeldUp) {
     EXPECT_GE(socket.arrived_ns(0), before_ns - kMillisecond_ns) << wait_ms;
     EXPECT_LE(socket.arrived_ns(0), after_ns + kMillisecond_ns) << wait_ms;
   }
+}
+
+// Of a stream the kernel tells when the last byte arrived; what waited before it is as much older
+// as the rig took it earlier.
+class TcpArrivalTest : public testing::Test, public Receiver {
+ protected:
+  void OnFrames(int /*source*/, std::span<const SourceFrame> frames, bool /*more*/) override {
+    for (const SourceFrame& frame : frames) {
+      if (!frame.is_body) arrivals_ns_.push_back(frame.arrival_ns);
+    }
+  }
+  std::int64_t Send(const support::TcpLink& link, support::Rig& rig) {
+    link.Send(rig.Frame());
+    const std::int64_t sent_ns = clock_.Now_ns();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return sent_ns;
+  }
+  void Read(Transport& transport) {
+    while (transport.DoWork(*this) > 0) {
+    }
+  }
+  runtime::SystemClock clock_;
+  runtime::Counters counters_;
+  std::vector<std::int64_t> arrivals_ns_;
+};
+
+TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
+  config::Source config;
+  config.name = "rig";
+  config.type = "tcp";
+  config.listen = "127.0.0.1:0";
+  auto made = MakeTcp(config, 0, clock_, counters_, nullptr);
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  Transport& transport = *made.value();
+  const support::TcpLink link(transport.endpoint());
+  support::Rig rig("a");
+  rig.period_ns = 10 * kMillisecond_ns;
+  Read(transport);
+  // The sender may be interrupted, too: then frames are farther apart than it says. Not ten times.
+  for (int tries = 0; tries < 10; ++tries) {
+    (void)Send(link, rig);  // and reads until nothing waits
+    Read(transport);
+    arrivals_ns_.clear();
+    std::array<std::int64_t, 4> sent_ns{};
+    for (std::int64_t& sent : sent_ns) sent = Send(link, rig);
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    const std::int64_t read_ns = clock_.Now_ns();
+    Read(transport);
+    ASSERT_EQ(arrivals_ns_.size(), sent_ns.size());
+    bool as_sent = true;
+    for (std::size_t i = 0; i < sent_ns.size(); ++i) {
+      as_sent = as_sent && std::abs(arrivals_ns_[i] - sent_ns[i]) < 3 * kMillisecond_ns;
+      ASSERT_LE(arrivals_ns_[i], clock_.Now_ns());
+    }
+    if (as_sent) return;
+    std::printf("read %.1f ms after the last was sent; arrivals off by",
+                1e-6 * static_cast<double>(read_ns - sent_ns.back()));
+    for (std::size_t i = 0; i < sent_ns.size(); ++i) {
+      std::printf(" %.1f", 1e-6 * static_cast<double>(arrivals_ns_[i] - sent_ns[i]));
+    }
+    std::printf(" ms\n");
+  }
+  FAIL() << "never as they were sent";
 }
 
 // A datagram tells what was dropped before it, so that the last ones of a burst are told by none.
