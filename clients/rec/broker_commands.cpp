@@ -8,8 +8,8 @@
 #include "clients/nats/recordings.h"
 #include "clients/nats/subject.h"
 #include "clients/rec/commands.h"
-#include "clients/rec/terminal.h"
 #include "clients/rec/time_text.h"
+#include "model/base/terminal_text.h"
 #include "proto/recording/writer.h"
 
 namespace styled::rec {

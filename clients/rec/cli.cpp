@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "clients/rec/commands.h"
-#include "clients/rec/terminal.h"
 #include "clients/rec/time_text.h"
+#include "model/base/terminal_text.h"
 
 namespace styled::rec {
 namespace {

@@ -8,7 +8,7 @@
 #include "clients/rec/publish_outlet.h"
 #include "clients/rec/rig_outlet.h"
 #include "clients/rec/steering.h"
-#include "clients/rec/terminal.h"
+#include "model/base/terminal_text.h"
 
 namespace styled::rec {
 namespace {

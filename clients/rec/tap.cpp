@@ -6,7 +6,7 @@
 #include <set>
 #include <zmq.hpp>
 
-#include "clients/rec/terminal.h"
+#include "model/base/terminal_text.h"
 #include "proto/recording/writer.h"
 #include "proto/styled/v1/frame.pb.h"
 #include "proto/styled/v1/stats.pb.h"

@@ -25,7 +25,7 @@ using JointMap = std::array<int, body::kJointCount>;
 // be. A skeleton with fingers has some 60 joints. No measurement on record picked these.
 constexpr double kLookEvery_s = 0.1;
 constexpr float kZeroBonus_deg = 5;
-constexpr std::size_t kNamesShown = 60;
+constexpr std::size_t kNamesShown = 60, kShownName = 64;  // of each name so many bytes
 
 // World transforms of one pose, in source units and axes.
 struct World {
@@ -250,7 +250,7 @@ Result<Stander> FrameAt(const Clip& clip, const JointMap& map, double time_s) {
 std::string Names(const rig::Skeleton& skeleton) {
   std::string names;
   for (std::size_t i = 0; i < std::min(skeleton.names.size(), kNamesShown); ++i) {
-    names += (i == 0 ? "" : ", ") + skeleton.names[i];
+    names += (i == 0 ? "" : ", ") + Printable(skeleton.names[i], kShownName);
   }
   return names + (skeleton.names.size() > kNamesShown ? ", ..." : "");
 }

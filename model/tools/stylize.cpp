@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/base/terminal_text.h"
 #include "model/clip/avatar.h"
 #include "model/clip/avatar_write.h"
 #include "model/clip/bind_clip.h"
@@ -36,7 +37,7 @@ using stylize::Outcome;
 constexpr int kSomeFailed = 3;  // written, but some frames are not styled
 
 int Fail(const Status& status, int code = 1) {
-  std::fprintf(stderr, "stylize: %s\n", status.message().c_str());
+  std::fprintf(stderr, "stylize: %s\n", styled::ForTerminal(status.message()).c_str());
   return code;
 }
 
@@ -380,7 +381,7 @@ class Run {
   void Tell(const Outcome& outcome) {
     progress_->Clear();
     if (!outcome.error.empty()) {
-      std::fprintf(stderr, "stylize: %s\n", outcome.error.c_str());
+      std::fprintf(stderr, "stylize: %s\n", styled::ForTerminal(outcome.error).c_str());
     } else if (outcome.own > 0) {
       std::fprintf(stderr,
                    "stylize: %s: %zu of %zu frames are the performer's own: expected a finite pose "
@@ -390,7 +391,8 @@ class Run {
     if (arguments_.json) {
       std::printf("%s\n", stylize::JsonLine(outcome).c_str());
     } else if (outcome.error.empty() && !arguments_.quiet) {
-      std::fprintf(to_stdout_ ? stderr : stdout, "%s\n", stylize::SummaryLine(outcome).c_str());
+      std::fprintf(to_stdout_ ? stderr : stdout, "%s\n",
+                   styled::ForTerminal(stylize::SummaryLine(outcome)).c_str());
     }
     std::fflush(stdout);
   }

@@ -4,11 +4,13 @@
 
 #include "clients/cpp/stylectl/commands.h"
 #include "clients/cpp/stylectl/session.h"
+#include "model/base/clean_stream.h"
 
 namespace styled::stylectl {
 
 int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err) {
-  Session session(out, err);
+  CleanStream clean_out(out), clean_err(err);
+  Session session(clean_out, clean_err, out);
   // In the order in which --help lists the commands.
   DeclareShowCommands(session);
   DeclareStyleCommands(session);

@@ -56,7 +56,7 @@ int ExportStyle(Session& session, const LibraryArguments& arguments) {
   const std::string file = arguments.file.empty() ? style.name() + ".json" : arguments.file;
   if (taken(file)) return refuse(file);
   if (file == "-") {
-    session.out << style.file();
+    session.raw << style.file();
     return kExitOk;
   }
   const styled::Status written = WriteFileAtomically(file, style.file(), 0644);

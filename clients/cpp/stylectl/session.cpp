@@ -11,8 +11,8 @@
 #include "model/tools/number.h"
 
 namespace styled::stylectl {
-Session::Session(std::ostream& out_stream, std::ostream& err_stream)
-    : out(out_stream), err(err_stream) {
+Session::Session(std::ostream& out_stream, std::ostream& err_stream, std::ostream& raw_stream)
+    : out(out_stream), err(err_stream), raw(raw_stream) {
   app.require_subcommand(0, 1);  // without one, Run reports it after unexpected arguments
   app.set_version_flag("--version", "stylectl 0.1.0");
   app.add_option(

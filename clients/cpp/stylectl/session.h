@@ -17,7 +17,9 @@ namespace styled::stylectl {
 // the connection to the daemon, and the reporting of results and failures. One thread.
 class Session {
  public:
-  Session(std::ostream& out, std::ostream& err);
+  // `out` and `err` are clean (model/base/clean_stream.h); `raw`: the same as `out`, for bytes of
+  // our own.
+  Session(std::ostream& out, std::ostream& err, std::ostream& raw);
 
   // Declares a command. `run` is called after the command line was parsed and returns the exit
   // code.
@@ -51,6 +53,7 @@ class Session {
 
   std::ostream& out;
   std::ostream& err;
+  std::ostream& raw;  // a file's bytes, control of the screen; flush `out` first
   CLI::App app{"stylectl: ask and steer a running styled daemon", "stylectl"};
   client::ControlOptions options;
   bool json = false;

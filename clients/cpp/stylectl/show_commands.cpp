@@ -54,7 +54,7 @@ int Status(Session& session, const StatusArguments& arguments) {
 int Watch(Session& session, const StatusArguments& arguments) {
   constexpr const char* kHome = "\x1b[H\x1b[2J";
   for (;;) {
-    if (!session.json) session.out << kHome;
+    if (!session.json) session.raw << kHome;
     (void)Status(session, arguments);
     session.out << std::flush;
     std::this_thread::sleep_for(std::chrono::duration<double>(arguments.watch_s));

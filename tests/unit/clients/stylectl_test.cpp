@@ -91,6 +91,9 @@ v1::Reply Answer(const v1::Request& request) {
     stats.add_counters()->set_name("source.zero");
     return reply;
   }
+  if (request.has_preset() && request.preset().name() == "hostile") {
+    return Refusal(v1::CODE_UNKNOWN_PRESET, "\x1b[2J\x1b[31mred\a");
+  }
   for (const auto& entry : request.set().mix()) {
     if (entry.style() != "old" && entry.style() != "elderly" && entry.style() != "proud") {
       return Refusal(v1::CODE_UNKNOWN_STYLE, "set: unknown style '" + entry.style() + "'");
@@ -390,6 +393,12 @@ TEST_F(StylectlTest, HowTheClockIsDisciplinedIsShown) {
   free.set_locked(true);
   free.set_max_error_s(0.0032);
   EXPECT_TRUE(shows("clock: synchronized, within 3.2 ms\n"));
+}
+
+TEST_F(StylectlTest, WhatADaemonSaysMovesNoCursor) {
+  EXPECT_EQ(Run({"preset", "hostile"}), kExitRefused);
+  EXPECT_TRUE(Complains("\\x1b[2J\\x1b[31mred\\x07")) << err_.str();
+  EXPECT_FALSE(Complains("\x1b"));
 }
 
 TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {

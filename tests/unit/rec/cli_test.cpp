@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "clients/rec/publish_outlet.h"
-#include "clients/rec/terminal.h"
+#include "model/base/terminal_text.h"
 #include "model/clip/clip.h"
 #include "proto/styled/v1/stats.pb.h"
 #include "tests/unit/rec/fakes.h"

@@ -7,10 +7,10 @@
 
 #include "model/base/text.h"
 
-namespace styled::rec {
+namespace styled {
 
-// Text for a terminal that may come from a recording, a sender or another machine: line by line as
-// Printable makes it, so that no name moves the cursor, changes colours or the direction of
+// Text of several lines for a terminal that may come from a file, a sender or another machine: each
+// line as Printable makes it, so that no name moves the cursor, changes colours or the direction of
 // writing. Allocates; any thread.
 inline std::string ForTerminal(std::string_view text) {
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
@@ -24,4 +24,4 @@ inline std::string ForTerminal(std::string_view text) {
   }
 }
 
-}  // namespace styled::rec
+}  // namespace styled
