@@ -26,9 +26,9 @@ struct SourceFrame {
   // CRC-32C of the serialized Body: of this body, or of the body that a frame's pose belongs to (0:
   // not stated; the session's last body is meant).
   std::uint32_t body_crc = 0;
-  // When the datagram that completes it arrived, on the clock of runtime::Clock::Now_ns(): of UDP and
-  // accepted TCP connections at the kernel, else when it was read. 0: when it is handed over. Only
-  // latencies depend on it.
+  // When the datagram that completes it arrived, on the clock of runtime::Clock::Now_ns(): of UDP
+  // and accepted TCP connections at the kernel, else when it was read. 0: when it is handed over.
+  // Only latencies depend on it.
   std::int64_t arrival_ns = 0;
 
   // For a frame. The pose consists of floats in this machine's byte order, aligned or not: root

@@ -40,8 +40,9 @@ class UdpSocket {
   std::span<const std::int64_t> arrivals_ns() const noexcept {
     return {arrived_ns_.data(), batch_};
   }
-  // The time up to which everything that arrived has been handed out. While more waits in the socket
-  // it is that of the last datagram: what comes after a silence must not be taken for the silence.
+  // The time up to which everything that arrived has been handed out. While more waits in the
+  // socket it is that of the last datagram: what comes after a silence must not be taken for the
+  // silence.
   std::int64_t read_until_ns() const noexcept { return read_until_ns_; }
   // Counts what the kernel has dropped since it was last known: datagrams tell it only with the
   // next one that arrives. One system call.

@@ -13,7 +13,8 @@ inline constexpr float kBelieved_s = 0.25F;
 // calibration is followed more slowly. No measurement on record.
 inline constexpr float kRemembered_s = 30.0F;
 // A calibration that shows less of standing and walking is none, s. One step; half of the shortest
-// calibration that can be asked for, so that who asks for that one need not hold still all the time.
+// calibration that can be asked for, so that who asks for that one need not hold still all the
+// time.
 inline constexpr float kEnough_s = 0.5F;
 // A longer time between two frames counts as this, s: nobody saw what was between.
 inline constexpr float kLongest_s = 0.1F;

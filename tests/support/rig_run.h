@@ -32,7 +32,7 @@ struct RigRun {
 // The frames on the canonical topic, compared with the poses given to the simulated rig. Without a
 // style they must be the same.
 struct RigResult {
-  int sent = 0, received = 0;        // frames of the first performer
+  int sent = 0, received = 0;  // frames of the first performer
   // Frames whose sending took longer than a quarter of a period, because the machine ran something
   // else. A rig that fills many datagrams a frame and marks no end then seems to pause in one.
   int interrupted = 0;
