@@ -50,10 +50,10 @@ class NativeDecoder {
   std::array<SourceFrame, kBatch> frames_;
 };
 
-enum class [[nodiscard]] FrameResult : std::uint8_t{
-    kOk,
-    kMalformed,  // not valid protobuf, or a field of the wrong type
-    kBadName,    // performer is not [A-Za-z0-9_-]{1,32}
+enum class [[nodiscard]] FrameResult : std::uint8_t {
+  kOk,
+  kMalformed,  // not valid protobuf, or a field of the wrong type
+  kBadName,    // performer is not [A-Za-z0-9_-]{1,32}
 };
 
 // Parses a serialized v1::SourceFrame without protobuf objects, which would allocate for a frame's

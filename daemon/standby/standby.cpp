@@ -20,7 +20,7 @@ constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62U;
 constexpr std::uint64_t kLeastHold_ns = 10'000'000, kMostHold_ns = 10'000'000'000;
 // A daemon of whom nothing was heard for so long does not listen.
 constexpr std::int64_t kHeard_ns = 1'000'000'000;
-// To a daemon of whom nothing is heard one connects anew, so often.
+// While nothing is heard from the other daemon, this one connects anew after so long each time.
 constexpr std::int64_t kReconnect_ns = 2'000'000'000;
 // The answer to Ask comes with the leader's next turn.
 constexpr std::int64_t kAnswer_ns = 1'000'000'000;

@@ -12,7 +12,7 @@ inline constexpr float kBelieved_s = 0.25F;
 // The most seconds that are remembered. Larger: what was learned stays as it is, and a changed
 // calibration is followed more slowly. No measurement on record.
 inline constexpr float kRemembered_s = 30.0F;
-// A calibration that shows less of standing and walking is none, s. One step; half of the shortest
+// The least standing and walking that a calibration needs, s. One step; half of the shortest
 // calibration that can be asked for, so that who asks for that one need not hold still all the
 // time.
 inline constexpr float kEnough_s = 0.5F;

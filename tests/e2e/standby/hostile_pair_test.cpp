@@ -248,7 +248,7 @@ TEST_F(HostilePairTest, AProgramThereThatBreaksTheProtocolDoesNotDeafenTheLeader
   const auto other = Start(1);
   ASSERT_TRUE(Follows(*other));
   EXPECT_TRUE(Becomes(*one, [](const auto& state) { return state.heard(); }));
-  // Only who is heard can be given way to.
+  // A daemon gives way only to a leader that it hears.
   one->child->Signal(SIGSTOP);
   Sleep(0.6);
   one->child->Signal(SIGCONT);

@@ -21,7 +21,7 @@ def break_protocol(endpoint, seconds):
         while time.monotonic() < end:
             try:
                 connection, _ = listener.accept()
-            except TimeoutError:
+            except socket.timeout:
                 continue
             came += 1
             connection.sendall(b'\xff' + bytes(200))

@@ -197,14 +197,14 @@ TEST_F(CheckpointOf, TheShippedNetworksGoOn) {
   GoesOn(both.value(), 97);
 }
 
-// Whatever number of a checkpoint is none: it is refused, or what is published is sound.
+// A checkpoint with a value that is not finite is refused, or the published pose is sound.
 TEST_F(CheckpointOf, NumbersThatAreNoneAreNotPublished) {
   options.limb_gate = false;
   const std::vector<Moment> show = Show(*binding, 1);
   Stylist stylist(erd::RandomStylizer(5, 1), binding, options);
   Output out(binding->skeleton());
-  constexpr std::size_t kTaken = 111;  // in the next frames a joint is not tracked, and held
-  for (std::size_t frame = 0; frame < kTaken; ++frame) {
+  constexpr std::size_t kFramesBefore = 111;  // in the next frames a joint is not tracked, and held
+  for (std::size_t frame = 0; frame < kFramesBefore; ++frame) {
     Direct(static_cast<int>(frame), 5, stylist);
     stylist.Process(show[frame].time_ns, show[frame].pose, out);
   }
@@ -218,7 +218,7 @@ TEST_F(CheckpointOf, NumbersThatAreNoneAreNotPublished) {
       std::memcpy(&bytes[at], &value, sizeof value);
       if (!Read(stylist, bytes)) continue;
       ++read;
-      for (std::size_t frame = kTaken; frame < kTaken + 2; ++frame) {
+      for (std::size_t frame = kFramesBefore; frame < kFramesBefore + 2; ++frame) {
         stylist.Process(show[frame].time_ns, show[frame].pose, out);
         for (const rig::RigPose* pose : {&out.rig, &out.source}) {
           for (const auto& rotation : pose->rotations) {
