@@ -56,6 +56,7 @@ void Pipeline::OnChange(Change change) {
   unsent_.clear();
   unsent_settings_.clear();
   style_requests_.clear();
+  arrange_.reset();
   imports_.clear();
   silence_.Clear();
   put_off_.clear();
@@ -160,8 +161,27 @@ void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
 
 void Pipeline::RepeatBeginning(const v1::Journal& entry) {
   if (!to_.standby->Begin(entry)) return;
+  Arrange(entry.beginning());
   roster_.Clear(entry.epoch());
   to_.standby->configured.clear();
+}
+
+// Motions name styles by their place. Once every style is here they get the leader's places, and
+// everything is fetched again.
+void Pipeline::Arrange(const v1::Beginning& beginning) {
+  Places theirs;
+  for (const std::string& name : beginning.places()) theirs.entries.push_back({name, false});
+  for (const std::uint32_t at : beginning.retired()) {
+    if (at < theirs.entries.size()) theirs.entries[at].retired = true;
+  }
+  theirs.last = static_cast<int>(beginning.last_place());
+  const bool all_here = std::ranges::all_of(theirs.entries, [this](const auto& entry) {
+    return entry.retired || roster_.config().made.contains(entry.name);
+  });
+  arrange_.reset();
+  if (!all_here || theirs == PlacesOf(roster_.config())) return;
+  arrange_ = std::move(theirs);
+  PassOnStyles();
 }
 
 void Pipeline::RepeatSettings(const v1::SettingsPart& part) {
@@ -229,6 +249,16 @@ void Pipeline::PassOnStyles() {
     ++followed_;
     to_.mailboxes.wake_files.Signal();
   }
+  if (!arrange_) return;
+  auto exchange = std::make_unique<Exchange>();
+  exchange->places = std::exchange(arrange_, std::nullopt);
+  exchange->followed = true;
+  if (!to_.mailboxes.takes.Push(std::move(exchange))) {
+    arrange_ = std::move(exchange->places);  // NOLINT(bugprone-use-after-move)
+    return;
+  }
+  ++followed_;
+  to_.mailboxes.wake_files.Signal();
 }
 
 // The files thread did one of them, or could not. Once all are done, everything is fetched again;

@@ -2,6 +2,7 @@
 // and on demand its state. The other one repeats it (following.cpp).
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/placing.h"
 #include "daemon/pipeline/setup.h"
 #include "daemon/pipeline/style_file.h"
 
@@ -41,11 +42,17 @@ void Pipeline::SendBeginning() {
     if (profile->configured) unsent_settings_.push_back(id);
   }
   unsent_.push_back({Part::Kind::kSettings, {}});
-  const auto& styles = roster_.config().network->model().styles;
-  for (auto i = static_cast<std::size_t>(roster_.config().own_styles); i < styles.size(); ++i) {
-    if (!roster_.config().made.contains(styles[i].name)) continue;
-    beginning.add_styles(styles[i].name);
-    unsent_.push_back({Part::Kind::kStyle, styles[i].name});
+  const Places places = PlacesOf(roster_.config());
+  beginning.set_last_place(static_cast<std::uint32_t>(places.last));
+  for (std::size_t i = 0; i < places.entries.size(); ++i) {
+    const auto& [name, retired] = places.entries[i];
+    beginning.add_places(name);
+    if (retired) {
+      beginning.add_retired(static_cast<std::uint32_t>(i));
+      continue;
+    }
+    beginning.add_styles(name);
+    unsent_.push_back({Part::Kind::kStyle, name});
   }
 }
 

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/placing.h"
 #include "daemon/pipeline/profile.h"
 #include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/ring.h"
@@ -24,6 +26,7 @@ struct Exchange {
   v1::Request request;
   v1::Reply reply;
   std::vector<body::Pose> take;  // what a performer showed of a style, for Like.learn_s
+  std::optional<Places> places;  // in place of a request: the leader's, to be this daemon's
   bool followed = false;  // nobody waits for the reply: the leader did this, and its standby does
 };
 

@@ -132,6 +132,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void RepeatBatch(const v1::Batch& batch, std::int64_t own_ns);
   void RepeatSilence(const v1::Silence& silence, std::int64_t own_ns);
   void RepeatRequest(const v1::Request& request);
+  void Arrange(const v1::Beginning& beginning);
   bool ImportsMissing(const std::string& style);
   void Import(const std::string& style);
   void FollowStyles(v1::Request request);
@@ -216,6 +217,7 @@ class Pipeline final : public Worker, public source::Receiver {
   // What the leader did to styles and the files thread repeats: what waits for room in the mailbox;
   // how much is in it; styles of the leader's among both; whether one failed since all was done.
   std::deque<v1::Request> style_requests_;
+  std::optional<Places> arrange_;  // the leader's places of styles, behind those
   int followed_ = 0;
   std::vector<std::string> imports_;
   bool follow_failed_ = false;

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -174,6 +175,50 @@ Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
   config.last_place = place.number;
   const std::string name = style.name;
   config.made[name] = std::make_shared<const MadeStyle>(std::move(style));
+  return {};
+}
+
+Places PlacesOf(const RuntimeConfig& config) {
+  Places places;
+  const net::Styles& styles = config.network->model().styles;
+  for (auto i = static_cast<std::size_t>(config.own_styles); i < styles.size(); ++i) {
+    places.entries.push_back({styles[i].name, styles[i].retired});
+  }
+  places.last = config.last_place;
+  return places;
+}
+
+Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
+  std::shared_ptr<const net::Stylizer> network = config.loaded;
+  const net::StyleSpace* const space = network->space();
+  if (places.entries.size() > static_cast<std::size_t>(net::kMaxAdded + kSpare)) {
+    return Malformed("places: found " + std::to_string(places.entries.size()) +
+                     ", expected at most " + std::to_string(net::kMaxAdded + kSpare));
+  }
+  if (space == nullptr && !places.entries.empty()) {
+    return Malformed("places: these weights have no style encoder");
+  }
+  std::set<std::string> placed;
+  for (std::size_t i = 0; i < places.entries.size(); ++i) {
+    const auto& [name, retired] = places.entries[i];
+    const int number = config.own_styles + static_cast<int>(i);
+    const auto made = config.made.find(name);
+    if (retired) {
+      // Nobody moves in it any more: any code will do.
+      network = network->With(number, {.name = name}, space->MakeCode({.sources = {{.style = 0}}}));
+      network = network->Retired(number);
+      continue;
+    }
+    if (made == config.made.end() || !placed.insert(name).second) {
+      return Malformed("places: \"" + Printable(name, kShownName) +
+                       "\": expected each style that was made, once");
+    }
+    network = network->With(number, {.name = name}, made->second->code);
+  }
+  std::erase_if(config.made, [&placed](const auto& made) { return !placed.contains(made.first); });
+  std::erase_if(config.kept, [&placed](const auto& name) { return !placed.contains(name); });
+  config.network = std::move(network);
+  config.last_place = places.last;
   return {};
 }
 

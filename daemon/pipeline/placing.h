@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "daemon/pipeline/made_style.h"
 #include "daemon/pipeline/refusal.h"
@@ -34,6 +35,25 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
 // that fades over. Fills nearest and distance. Refused, with the configuration as it was: as
 // FindPlace, weights without a space of styles, and a code that does not fit them.
 Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
+
+// The list of styles behind those of the weights.
+struct Places {
+  struct Entry {
+    std::string name;
+    bool retired = false;  // the style was removed, or has another place by now
+    friend bool operator==(const Entry&, const Entry&) = default;
+  };
+  std::vector<Entry> entries;
+  int last = 0;  // RuntimeConfig::last_place
+  friend bool operator==(const Places&, const Places&) = default;
+};
+Places PlacesOf(const RuntimeConfig& config);
+
+// Gives the made styles these places: those of another daemon whose motions go on here, which name
+// styles by their place. What that one has not is taken out, but not of the library. Refused, with
+// the configuration as it was: a list with a style that was not made here, or with one twice. Who
+// moves in one of them must be bound anew.
+Refusal ArrangeStyles(const Places& places, RuntimeConfig& config);
 
 // Gives a made style another name; performers that show it go on. Refuses as FindPlace and
 // CheckNewName, a name that is taken, and a style that the configuration's presets, cues or [style]

@@ -61,10 +61,11 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   auto made = std::make_shared<RuntimeConfig>();
   if (networks.value().network == nullptr && running != nullptr) {
     made->network = running->network;
+    made->loaded = running->loaded;
     made->own_styles = running->own_styles;
     made->weights_hash = running->weights_hash;
   } else {
-    made->network = networks.value().network;
+    made->network = made->loaded = networks.value().network;
     made->own_styles = networks.value().own_styles;
     made->weights_hash = networks.value().examples_hash;
   }

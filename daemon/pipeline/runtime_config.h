@@ -21,6 +21,7 @@ namespace styled::pipeline {
 // supervisor or the files thread makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
+  std::shared_ptr<const net::Stylizer> loaded;  // the same without styles that were added
   int own_styles = 0;             // of the weights files; those behind it were added (placing.h)
   int last_place = 0;             // of a style that was added
   MadeStyles made;                // the latter, by name, but those that are retired

@@ -58,6 +58,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& runn
   said_.clear();
   error_.clear();
   exchange.reply.set_id(exchange.request.id());
+  if (exchange.places) return Arrange(running, exchange);
   switch (exchange.request.command_case()) {
     case v1::Request::kLike:
       return Make(running, exchange);
@@ -74,6 +75,15 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& runn
       previews_.Make(running, exchange.request.preview().style(), exchange.reply);
       return nullptr;
   }
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::Arrange(const RuntimeConfig& running,
+                                                            Exchange& exchange) {
+  auto made = std::make_shared<RuntimeConfig>(running);
+  const Refusal refusal = ArrangeStyles(*exchange.places, *made);
+  exchange.reply.set_code(refusal.ok() ? v1::CODE_OK : refusal.code);
+  exchange.reply.set_reason(refusal.reason);
+  return refusal.ok() ? made : nullptr;
 }
 
 std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& running,

@@ -27,6 +27,7 @@ class StyleRequests {
 
  private:
   std::shared_ptr<const RuntimeConfig> Make(const RuntimeConfig& running, Exchange& exchange);
+  std::shared_ptr<const RuntimeConfig> Arrange(const RuntimeConfig& running, Exchange& exchange);
   std::shared_ptr<const RuntimeConfig> Import(const RuntimeConfig& running, Exchange& exchange);
   std::shared_ptr<const RuntimeConfig> Rename(const RuntimeConfig& running, Exchange& exchange);
   std::shared_ptr<const RuntimeConfig> Remove(const RuntimeConfig& running, Exchange& exchange);

@@ -257,6 +257,38 @@ TEST_F(HostilePairTest, AProgramThereThatBreaksTheProtocolDoesNotDeafenTheLeader
   ExpectOneLeads(*one, *other);
 }
 
+// Each time the style gets a new place at the leader; motions name styles by their place.
+TEST_F(HostilePairTest, AStyleThatIsImportedAgainAndAgainKeepsTheStandbyReady) {
+  const std::string weights = CausalWeights(folder_ / "random.safetensors");
+  const auto one = Start(0, "", weights);
+  auto other = Start(1, "", weights);
+  ASSERT_TRUE(Leads(*one));
+  ASSERT_TRUE(Follows(*other));
+  Rig rig("a");
+  UdpLink link(one->udp);
+  link.Send(rig.Body());
+  link.Send(rig.Frame());
+  ControlClient control(one->control);
+  v1::Request like;
+  like.mutable_like()->set_name("mine");
+  like.mutable_like()->set_clip(WalkBvh(30, 2));
+  like.mutable_like()->set_file("walk.bvh");
+  ASSERT_EQ(control.Ask(like).code(), v1::CODE_OK);
+  v1::Request request;
+  request.mutable_export_style()->set_name("mine");
+  const std::string file = control.Ask(request).style_file().file();
+  request.mutable_import_style()->set_file(file);
+  request.mutable_import_style()->set_replace(true);
+  for (int i = 0; i < 150; ++i) ASSERT_EQ(control.Ask(request).code(), v1::CODE_OK) << i;
+  EXPECT_TRUE(Follows(*other));
+  Sleep(1);  // it was not ready only because the last ones were on their way
+  EXPECT_TRUE(Follows(*other));
+  // So does one that comes later.
+  EXPECT_EQ(other->Stop(), 0);
+  other = Start(1, "", weights);
+  EXPECT_TRUE(Follows(*other));
+}
+
 TEST_F(HostilePairTest, AStandbyOfOtherSettingsSaysWhichAndLeadsAllTheSame) {
   const auto one = Start(0),
              other = Start(1, "[model]\nfeet = false\n[performers]\nlate_ms = 30\n");
