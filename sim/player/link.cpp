@@ -193,34 +193,71 @@ class ServerLink final : public Link {
   std::map<asio::ip::udp::endpoint, std::chrono::steady_clock::time_point> clients_;
 };
 
+// A target that is lost is asked for anew once a second, without waiting for it: the next records
+// are those of a rig that others receive, too.
 class TcpLink final : public Link {
  public:
   Status Open(const Address& address, double wait_ms) {
-    using Clock = std::chrono::steady_clock;
     const auto deadline = Clock::now() + std::chrono::duration<double, std::milli>(wait_ms);
     error_code error;
     asio::ip::tcp::resolver resolver(context_);
-    const auto found = resolver.resolve(address.host, address.port, error);
+    found_ = resolver.resolve(address.host, address.port, error);
     if (error) return Status::Error(error.message());
     while (true) {
-      asio::connect(socket_, found, error);
+      asio::connect(socket_, found_, error);
       if (!error) break;
       if (Clock::now() >= deadline) return Status::Error(error.message());
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    socket_.set_option(asio::ip::tcp::no_delay(true), error);
+    Connected();
     return Status::Ok();
   }
 
   Status Send(std::span<const std::byte> record) override {
+    if (!connected_) TryAgain();
+    if (!connected_) return Status::Error(lost_);
     error_code error;
     asio::write(socket_, asio::buffer(record.data(), record.size()), error);
-    return error ? Status::Error("sending by TCP: " + error.message()) : Status::Ok();
+    if (!error) return Status::Ok();
+    lost_ = "sending by TCP: " + error.message();
+    connected_ = false;
+    again_at_ = Clock::now() + kAgain;
+    return Status::Error(lost_);
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds kAgain{1};
+
+  void Connected() {
+    error_code error;
+    socket_.set_option(asio::ip::tcp::no_delay(true), error);
+    connected_ = true;
+  }
+  void TryAgain() {
+    if (connecting_) {
+      context_.restart();
+      context_.poll();
+      return;
+    }
+    if (Clock::now() < again_at_) return;
+    again_at_ = Clock::now() + kAgain;
+    error_code error;
+    socket_.close(error);
+    connecting_ = true;
+    asio::async_connect(socket_, found_,
+                        [this](const error_code& failed, const asio::ip::tcp::endpoint&) {
+                          connecting_ = false;
+                          if (!failed) Connected();
+                        });
+  }
+
   asio::io_context context_;
   asio::ip::tcp::socket socket_{context_};
+  asio::ip::tcp::resolver::results_type found_;
+  bool connected_ = false, connecting_ = false;
+  std::string lost_;              // why it is not connected any more
+  Clock::time_point again_at_{};  // the next try
 };
 
 class AllLinks final : public Link {

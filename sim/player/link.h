@@ -28,8 +28,8 @@ class Link {
 
 // Connects to "udp://HOST:PORT" or "tcp://HOST:PORT" (IPv6 hosts in brackets). A missing UDP
 // receiver is no error: if the other machine reports it, Link::refused() counts it and sending
-// continues. TCP is retried for `start_wait_ms` if no program listens. Errors name the address and
-// the reason.
+// continues. TCP is retried for `start_wait_ms` if no program listens; where a connection is lost,
+// Send() fails, and asks for a new one once a second. Errors name the address and the reason.
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
 
 // A rig that sends to several programs: each of `links`, at least one, gets every datagram. What

@@ -125,5 +125,68 @@ TEST(Link, OneOfSeveralTargetsThatFailsIsToldOnceAndTheOthersGetAll) {
   EXPECT_EQ(told.size(), 3U) << "again, after it had sent in between";
 }
 
+// A TCP socket on loopback that one peer connects to.
+class Listener {
+ public:
+  explicit Listener(std::uint16_t port) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+    const int on = 1;
+    setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(fd_, 1), 0);
+    getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
+    this->port = ntohs(address.sin_port);
+  }
+  ~Listener() {
+    close(peer_);
+    close(fd_);
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  void Accept() { peer_ = accept(fd_, nullptr, nullptr); }
+  int Byte() const {
+    char byte = 0;
+    return recv(peer_, &byte, 1, 0) == 1 ? byte : -1;
+  }
+  std::uint16_t port = 0;
+
+ private:
+  int fd_, peer_ = -1;
+};
+
+TEST(Link, ATcpTargetThatIsLostGetsRecordsAgainOnceItIsBack) {
+  auto target = std::make_unique<Listener>(0);
+  const std::uint16_t port = target->port;
+  const auto link = Connect("tcp://127.0.0.1:" + std::to_string(port), 1000);
+  ASSERT_TRUE(link.ok());
+  const std::array<std::byte, 1> before{std::byte{1}}, gone{std::byte{2}}, back{std::byte{3}};
+  target->Accept();
+  ASSERT_TRUE(link.value()->Send(before).ok());
+  EXPECT_EQ(target->Byte(), 1);
+  target.reset();
+  Status lost = Status::Ok();
+  for (int i = 0; i < 100 && lost.ok(); ++i) {
+    lost = link.value()->Send(gone);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_FALSE(lost.ok());
+  EXPECT_EQ(lost.message().find("sending by TCP: "), 0U) << lost.message();
+  EXPECT_EQ(link.value()->Send(gone).message(), lost.message()) << "until it is back";
+  target = std::make_unique<Listener>(port);
+  Status sent = lost;
+  for (int i = 0; i < 1000 && !sent.ok(); ++i) {
+    sent = link.value()->Send(back);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_TRUE(sent.ok()) << sent.message();
+  target->Accept();
+  EXPECT_EQ(target->Byte(), 3) << "nothing of what was sent meanwhile";
+}
+
 }  // namespace
 }  // namespace styled::player
