@@ -108,6 +108,7 @@ class Several final : public Stylizer {
     ListStyles();
     FindSame();
     FindTurns();
+    FindGate();
     for (std::size_t n = 0; n < networks_.size() && !space_; ++n) {
       const StyleSpace* const inner = networks_[n].network->space();
       if (inner == nullptr) continue;
@@ -248,6 +249,20 @@ class Several final : public Stylizer {
                       : std::max(0, FindStyle(networks_[n].network->model().styles,
                                               model_.styles[s].original));
       }
+    }
+  }
+
+  // Of all networks the narrowest bounds: whose style is in force changes while limbs are held.
+  void FindGate() {
+    model_.gate = networks_.front().network->model().gate;
+    const auto narrow = [](GateBounds::Range& to, const GateBounds::Range& from) {
+      to = {std::min(to.begin_m, from.begin_m), std::min(to.end_m, from.end_m)};
+    };
+    for (const NamedNetwork& named : networks_) {
+      const GateBounds& own = named.network->model().gate;
+      narrow(model_.gate.arms, own.arms);
+      narrow(model_.gate.trunk, own.trunk);
+      narrow(model_.gate.legs, own.legs);
     }
   }
 

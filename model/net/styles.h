@@ -1,8 +1,12 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "model/body/pose.h"
 
 namespace styled::net {
 
@@ -23,6 +27,14 @@ inline constexpr float kMaxDrift_s = 600.0F;  // from one variation to the next
 // told. v2's styles have either 0.8 and more, or 0.7 and less.
 inline constexpr float kWeakBelow = 0.8F;
 
+// How a style carries trunk, head and collars, whatever is done in it: by joint of kPostureJoints,
+// the turn from a joint's mean rotation in neutral to that in the style, over the same acts, as a
+// rotation vector after the joint's own rotation, rad.
+inline constexpr std::array<body::Joint, 6> kPostureJoints{
+    body::kSpine, body::kChest,        body::kNeck,
+    body::kHead,  body::kLeftShoulder, body::kRightShoulder};
+using Posture = std::array<body::Vec3, kPostureJoints.size()>;
+
 struct StyleInfo {
   std::string name;
   std::vector<std::string> aliases;
@@ -37,6 +49,7 @@ struct StyleInfo {
   float walk_mps = 0, run_mps = 0;
   // Their mean cadence, steps of either foot per minute; 0: not measured.
   float walk_spm = 0, run_spm = 0;
+  std::optional<Posture> posture;  // nothing: not measured
   // Another style has its name now, or nobody shall choose it any more: FindStyle passes it over.
   // It may still be fading out.
   bool retired = false;

@@ -11,6 +11,7 @@
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
+#include "model/net/gate_bounds.h"
 #include "model/net/style_space.h"
 #include "model/net/styles.h"
 #include "model/neutral/carriage.h"
@@ -28,6 +29,7 @@ struct Model {
   // The performers that it was trained on, for the performer's neutral; files of before version 3
   // and of families that need none have none.
   std::optional<neutral::Reference> reference;
+  GateBounds gate;
   std::string licence;
   std::string training;  // JSON text; informative
 };

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <set>
+#include <utility>
 
 #include "model/base/text.h"
 #include "model/body/humanoid.h"
@@ -44,6 +45,10 @@ std::string ReadString(const json& object, const std::string& key, Faults& fault
   return value->get<std::string>();
 }
 
+std::array<std::pair<const char*, GateBounds::Range*>, 3> RangesOf(GateBounds& gate) {
+  return {{{"arms", &gate.arms}, {"trunk", &gate.trunk}, {"legs", &gate.legs}}};
+}
+
 // Reads a name or alias. Lookup ignores case, so names must differ in more than case. Programs
 // print names, so none may control a terminal.
 void ReadName(const json& value, const std::string& place, std::set<std::string>& known,
@@ -77,6 +82,28 @@ void ReadMeasured(const json& entry, const std::string& place, StyleInfo& style,
   }
 }
 
+// Optional: for each of kPostureJoints x, y, z of a rotation vector.
+void ReadPosture(const json& entry, const std::string& place, StyleInfo& style, Faults& faults) {
+  const auto found = entry.find("posture");
+  if (found == entry.end()) return;
+  constexpr double kMost_rad = 1.6;
+  constexpr std::size_t kNumbers = 3 * kPostureJoints.size();
+  const auto fits = [](const json& n) {
+    return n.is_number() && std::abs(n.get<double>()) <= kMost_rad;
+  };
+  if (!found->is_array() || found->size() != kNumbers ||
+      !std::all_of(found->begin(), found->end(), fits)) {
+    faults.Key(place + ".posture",
+               std::to_string(kNumbers) + " numbers from -1.6 to 1.6, a turn in rad per joint",
+               Shown(*found));
+    return;
+  }
+  Posture& posture = style.posture.emplace();
+  for (std::size_t i = 0; i < kNumbers; ++i) {
+    posture[i / 3][static_cast<Eigen::Index>(i % 3)] = (*found)[i].get<float>();
+  }
+}
+
 void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
   const json* list = FindKey(metadata, "styles", faults);
   if (list == nullptr) return;
@@ -100,6 +127,7 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
       ReadName(alias, place + ".aliases", known, style.aliases.emplace_back(), faults);
     }
     ReadMeasured(entry, place, style, faults);
+    ReadPosture(entry, place, style, faults);
     styles.push_back(std::move(style));
     // The first is neutral, whatever it is called.
     if (s > 0 && FindStyle({styles.back()}, "neutral") == 0) {
@@ -153,6 +181,28 @@ void ReadReference(const json& object, Model& model, Faults& faults) {
   if (model.styles[0].run_mps > 0) reference.run_mps = model.styles[0].run_mps;
 }
 
+// Optional: by class of limb, the two distances between which its style fades out.
+void ReadGate(const json& object, GateBounds& gate, Faults& faults) {
+  const auto found = object.find("gate");
+  if (found == object.end()) return;
+  constexpr double kMost_m = 10;
+  for (const auto& [key, range] : RangesOf(gate)) {
+    const auto two = found->is_object() ? found->find(key) : found->end();
+    const bool fits = found->is_object() && two != found->end() && two->is_array() &&
+                      two->size() == 2 && (*two)[0].is_number() && (*two)[1].is_number();
+    const double begin_m = fits ? (*two)[0].get<double>() : 0;
+    const double end_m = fits ? (*two)[1].get<double>() : 0;
+    if (!fits || !(begin_m > 0 && begin_m < end_m && end_m <= kMost_m)) {
+      faults.Key("gate." + std::string(key), "two distances, 0 < begin < end <= 10",
+                 found->is_object() && two == found->end() ? "none"
+                 : found->is_object()                      ? Shown(*two)
+                                                           : Shown(*found));
+      continue;
+    }
+    *range = {static_cast<float>(begin_m), static_cast<float>(end_m)};
+  }
+}
+
 json CarriageAsJson(const neutral::Carriage& carriage) {
   json numbers = json::array();
   for (const body::Quat& rotation : carriage.rotations) {
@@ -187,6 +237,7 @@ void ReadModel(const json& object, Model& model, Faults& faults) {
   ExpectEqual(object, "humanoid_hash", HumanoidHash(), faults);
   ReadStyles(object, model.styles, faults);
   ReadReference(object, model, faults);
+  ReadGate(object, model.gate, faults);
   model.rate_hz = ReadNumber(object, "rate_hz", {0, kMaxRate_hz, false}, faults);
   model.licence = ReadString(object, "licence", faults);
   if (const json* training = FindKey(object, "training", faults)) {
@@ -267,6 +318,21 @@ Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::st
   return file;
 }
 
+json AsJson(const Posture& posture) {
+  json numbers = json::array();
+  for (const body::Vec3& turn : posture) {
+    for (const float number : turn) numbers.push_back(number);
+  }
+  return numbers;
+}
+
+json AsJson(const GateBounds& gate) {
+  GateBounds copy = gate;
+  json object;
+  for (const auto& [key, range] : RangesOf(copy)) object[key] = {range->begin_m, range->end_m};
+  return object;
+}
+
 json AsJson(const neutral::Reference& reference) {
   return {{"standing", CarriageAsJson(reference.standing)},
           {"walking", CarriageAsJson(reference.walking)},
@@ -281,6 +347,7 @@ json HeaderOf(const Model& model) {
     for (const Measured& measured : kMeasured) {
       if (style.*measured.value > 0) entry[measured.key] = style.*measured.value;
     }
+    if (style.posture) entry["posture"] = AsJson(*style.posture);
   }
   const json training = json::parse(model.training, nullptr, /*allow_exceptions=*/false);
   json header = {{"version", kWeightsVersion},
@@ -290,6 +357,7 @@ json HeaderOf(const Model& model) {
                  {"rate_hz", model.rate_hz},
                  {"licence", model.licence},
                  {"training", training.is_object() ? training : json::object()}};
+  if (model.gate != GateBounds()) header["gate"] = AsJson(model.gate);
   if (model.reference) header["reference"] = AsJson(*model.reference);
   return header;
 }

@@ -52,7 +52,9 @@ struct WeightsFile {
 // Reads container and common keys. `bytes` must outlive the result.
 Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::string& name);
 
-// The value of the key "reference" (FORMAT.md).
+// The values of the keys "gate", "posture" and "reference" (FORMAT.md).
+nlohmann::json AsJson(const GateBounds& gate);
+nlohmann::json AsJson(const Posture& posture);
 nlohmann::json AsJson(const neutral::Reference& reference);
 
 // The header of a file that holds `model`: the common keys, in the newest version.

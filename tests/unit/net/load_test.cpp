@@ -78,6 +78,58 @@ TEST(Load, StylesMayHaveTheirSpeeds) {
   }
 }
 
+TEST(Load, StylesMayHaveAPosture) {
+  erd::WeightsFile file = erd::RandomWeights(3, 1);
+  nlohmann::json turns = nlohmann::json::array();
+  for (int i = 0; i < 18; ++i) turns.push_back(0.125 * i - 1);
+  file.metadata["styles"][1]["posture"] = turns;
+  const auto network = Parse(file.Bytes(), "file");
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  const Model& model = network.value()->model();
+  ASSERT_TRUE(model.styles[1].posture);
+  EXPECT_EQ((*model.styles[1].posture)[1], body::Vec3(-0.625F, -0.5F, -0.375F)) << "the chest";
+  EXPECT_FALSE(model.styles[2].posture) << "not measured";
+  EXPECT_EQ(HeaderOf(model)["styles"][1]["posture"], turns);
+  EXPECT_FALSE(HeaderOf(model)["styles"][2].contains("posture"));
+  nlohmann::json far = turns;
+  far[17] = 1.7;
+  nlohmann::json few = turns;
+  few.erase(0);
+  for (const nlohmann::json& wrong :
+       {nlohmann::json("bowed"), nlohmann::json(nullptr), nlohmann::json::array(), far, few}) {
+    file.metadata["styles"][2]["posture"] = wrong;
+    const std::string reason = Parse(file.Bytes(), "file").status().message();
+    EXPECT_TRUE(
+        reason.starts_with("file: key 'styles[2].posture': expected 18 numbers from -1.6 to "
+                           "1.6, a turn in rad per joint, found "))
+        << reason;
+  }
+}
+
+TEST(Load, AFileMayHaveBoundsOfItsLimbGate) {
+  erd::WeightsFile file = erd::RandomWeights(3, 1);
+  const auto gate_of = [&file] { return Parse(file.Bytes(), "file").value()->model().gate; };
+  EXPECT_EQ(gate_of(), GateBounds());
+  GateBounds bounds;
+  bounds.legs = {0.25F, 0.5F};
+  file.metadata["gate"] = AsJson(bounds);
+  EXPECT_EQ(gate_of(), bounds);
+  EXPECT_EQ(HeaderOf(Parse(file.Bytes(), "file").value()->model())["gate"]["legs"][0], 0.25);
+  file.metadata["gate"]["trunk"] = {0.3, 0.3};
+  EXPECT_EQ(
+      Parse(file.Bytes(), "file").status().message(),
+      "file: key 'gate.trunk': expected two distances, 0 < begin < end <= 10, found [0.3,0.3]");
+  for (const nlohmann::json& wrong :
+       {nlohmann::json("open"), nlohmann::json::object(), nlohmann::json{{"arms", {1}}},
+        nlohmann::json{{"arms", {-1, 1}}, {"trunk", {1, 2}}, {"legs", {1, 2}}},
+        nlohmann::json{{"arms", {1, 11}}, {"trunk", {1, 2}}, {"legs", {1, 2}}},
+        nlohmann::json{{"arms", {"1", 2}}, {"trunk", {1, 2}}, {"legs", {1, 2}}}}) {
+    file.metadata["gate"] = wrong;
+    const std::string reason = Parse(file.Bytes(), "file").status().message();
+    EXPECT_TRUE(reason.starts_with("file: key 'gate.arms': expected two distances")) << reason;
+  }
+}
+
 TEST(Load, StylesMayHaveTheirCadences) {
   erd::WeightsFile file = erd::RandomWeights(3, 1);
   file.metadata["styles"][0]["walk_spm"] = 110.5;

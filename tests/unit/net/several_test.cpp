@@ -113,6 +113,7 @@ class Fake final : public Stylizer {
   void KnowSpine(float rad) {
     model_.reference.emplace().walking.rotations[body::kSpine] = body::Exp(body::Vec3(rad, 0, 0));
   }
+  void Gate(const GateBounds& bounds) { model_.gate = bounds; }
 
   float velocity = 0;
   mutable body::Pose seen;  // of the last step
@@ -213,6 +214,14 @@ TEST_F(SeveralTest, EachNetworkSeesThePerformersThatItKnows) {
   EXPECT_NEAR(Turn(out).y(), 0.3, 1e-5) << "the change of style is the same";
   (void)Step({{kOld, 1}});
   EXPECT_NEAR(spine(first->seen.rotations), 0.1, 1e-5);
+}
+
+TEST_F(SeveralTest, OfTheLimbGatesTheNarrowestBoundsHold) {
+  first->Gate({.arms = {0.1F, 0.5F}, .trunk = {0.2F, 0.3F}, .legs = {0.3F, 0.6F}});
+  second->Gate({.arms = {0.2F, 0.4F}, .trunk = {0.1F, 0.2F}, .legs = {0.4F, 0.7F}});
+  both = Combine({{"v2", first}, {"graph", second}}).value();
+  const GateBounds expected{.arms = {0.1F, 0.4F}, .trunk = {0.1F, 0.2F}, .legs = {0.3F, 0.6F}};
+  EXPECT_EQ(both->model().gate, expected);
 }
 
 TEST_F(SeveralTest, ANetworkWithoutAReferenceSeesThePoseAsItIs) {
