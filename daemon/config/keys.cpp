@@ -118,6 +118,7 @@ Section ModelSection() {
        Float<C>("tilt_begin_rad", 0, 4, 1, STYLED_FIELD(model.stylist.tilt_begin_rad)),
        Float<C>("tilt_end_rad", 0, 4, 1, STYLED_FIELD(model.stylist.tilt_end_rad)),
        Flag<C>("neutral", STYLED_FIELD(model.stylist.neutral)),
+       Float<C>("posture", 0, 1, 1, STYLED_FIELD(model.stylist.posture)),
        Flag<C>("limb_gate", STYLED_FIELD(model.stylist.limb_gate)),
        Flag<C>("knees", STYLED_FIELD(model.stylist.knees)),
        Flag<C>("ground", STYLED_FIELD(model.stylist.ground)),

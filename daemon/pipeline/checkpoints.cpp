@@ -16,7 +16,7 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::uint32_t kCheckpointVersion = 2;  // 1: without the performer's neutral
+constexpr std::uint32_t kCheckpointVersion = 3;  // 2: without posture; 1: without neutral
 constexpr std::size_t kQuoted = 80;              // bytes of a name that a reason quotes
 // Far beyond any show: at 120 Hz it is reached after a thousand million years. Above it, counting
 // on would wrap around, and subscribers would drop every frame as an old one.

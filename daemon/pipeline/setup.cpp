@@ -85,8 +85,8 @@ class SetupRows {
 void AddModel(const stylist::Options& options, SetupRows& setup) {
   const auto& [change_tau_s, gap_reset_s, restart_fade_s, jump_m, jump_accept_frames,
                out_of_domain_begin_rad, out_of_domain_end_rad, out_of_domain_fade_s, tilt_begin_rad,
-               tilt_end_rad, neutral, limb_gate, ground_tau_s, knees, ground, feet, feet_options,
-               own_cadence, bypass] = options;
+               tilt_end_rad, neutral, limb_gate, posture, ground_tau_s, knees, ground, feet,
+               feet_options, own_cadence, bypass] = options;
   setup.AddMs("model.change_tau_ms", change_tau_s);
   setup.AddMs("model.gap_reset_ms", gap_reset_s);
   setup.AddMs("model.restart_fade_ms", restart_fade_s);
@@ -99,6 +99,7 @@ void AddModel(const stylist::Options& options, SetupRows& setup) {
   setup.Add("model.tilt_end_rad", tilt_end_rad);
   setup.Add("model.neutral", neutral);
   setup.Add("model.limb_gate", limb_gate);
+  setup.Add("model.posture", posture);
   setup.AddMs("model.ground_tau_ms", ground_tau_s);
   setup.Add("model.knees", knees);
   setup.Add("model.ground", ground);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/base/smooth.h"
+#include "model/stylist/tuning.h"
 
 namespace styled::stylist {
 namespace {
@@ -26,7 +27,9 @@ void Domain::Follow(float reconstruction_rad, const body::Quat& hips, float dt_s
                           : fade_.Follow(inside, dt_s, options.out_of_domain_fade_s / 2);
   const float up = (hips * body::Vec3::UnitY()).y();
   const float tilt_rad = std::acos(std::clamp(up, -1.0F, 1.0F));
-  upright_ = Inside(tilt_rad, options.tilt_begin_rad, options.tilt_end_rad);
+  const float stands = Inside(tilt_rad, options.tilt_begin_rad, options.tilt_end_rad);
+  upright_ =
+      std::clamp(tilt_fade_.Follow(stands, dt_s, first ? 0 : tuning::kTiltFade_s), 0.0F, 1.0F);
 }
 
 }  // namespace styled::stylist

@@ -11,9 +11,9 @@ namespace styled::stylist {
 // Measures how far a pose is within the network's training domain. The in-domain weight, 1 inside
 // and 0 outside, scales the style delta. Either of two causes reduces it: the network's
 // reconstruction error, smoothed over Options::out_of_domain_fade_s; and the hips' tilt off
-// upright, without smoothing, because styles belong to upright bodies and would push a lying one
-// through the floor. Value type, no allocation; one thread at a time. Pinned by
-// tests/unit/stylist/domain_test.cpp.
+// upright, smoothed over no more than tuning::kTiltFade_s, because styles belong to upright bodies
+// and would push a lying one through the floor. Value type, no allocation; one thread at a time.
+// Pinned by tests/unit/stylist/domain_test.cpp.
 class Domain {
  public:
   // Judges one frame by the network's `reconstruction_rad` (rms over joints) and the hips' rotation
@@ -29,10 +29,12 @@ class Domain {
   // Whether most of the style is withheld: FLAG_OUT_OF_DOMAIN.
   bool outside() const { return reconstruction_ < 0.5F || upright_ < 0.5F; }
   // See model/base/checkpoint.h.
-  STYLED_REALTIME void Carry(Checkpoint& c) noexcept { c(fade_, reconstruction_, upright_); }
+  STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
+    c(fade_, tilt_fade_, reconstruction_, upright_);
+  }
 
  private:
-  CriticallyDamped fade_;
+  CriticallyDamped fade_, tilt_fade_;
   float reconstruction_ = 1.0F, upright_ = 1.0F;
 };
 

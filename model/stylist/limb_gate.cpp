@@ -52,11 +52,17 @@ constexpr PerLimb kMeasured = [] {
   return counts;
 }();
 
-constexpr PerLimb kBegin_m{tuning::kGateArmBegin_m, tuning::kGateArmBegin_m,
-                           tuning::kGateTrunkBegin_m, tuning::kGateLegBegin_m,
-                           tuning::kGateLegBegin_m};
-constexpr PerLimb kEnd_m{tuning::kGateArmEnd_m, tuning::kGateArmEnd_m, tuning::kGateTrunkEnd_m,
-                         tuning::kGateLegEnd_m, tuning::kGateLegEnd_m};
+const net::GateBounds::Range& RangeOf(std::size_t limb, const net::GateBounds& bounds) {
+  switch (static_cast<Limb>(limb)) {
+    case Limb::kLeftArm:
+    case Limb::kRightArm:
+      return bounds.arms;
+    case Limb::kTrunk:
+      return bounds.trunk;
+    default:
+      return bounds.legs;
+  }
+}
 
 // A chain of joints, from the joint that its limb is attached to.
 struct Chain {
@@ -109,20 +115,21 @@ PerLimb LimbGate::Unusual(const PerLimb& errors_m, float dt_s) noexcept {
   return unusual_m;
 }
 
-void LimbGate::Hold(const PerLimb& errors_m, bool first) noexcept {
+void LimbGate::Hold(const PerLimb& errors_m, bool first, const net::GateBounds& bounds) noexcept {
   for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
     // Beyond the end nothing changes: what a limb was worst at must not delay its return.
-    const float most_m = kEnd_m[limb] + tuning::kGateBand_m;
+    const float most_m = RangeOf(limb, bounds).end_m + tuning::kGateBand_m;
     const float error_m = errors_m[limb] <= most_m ? errors_m[limb] : most_m;  // NaN: the most
     float& held_m = held_m_[limb];
     held_m = first ? error_m : std::clamp(held_m, error_m, error_m + tuning::kGateBand_m);
   }
 }
 
-PerLimb LimbGate::Targets() const noexcept {
+PerLimb LimbGate::Targets(const net::GateBounds& bounds) const noexcept {
   PerLimb targets;
   for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
-    targets[limb] = 1 - SmoothStep(held_m_[limb], kBegin_m[limb], kEnd_m[limb]);
+    const net::GateBounds::Range& range = RangeOf(limb, bounds);
+    targets[limb] = 1 - SmoothStep(held_m_[limb], range.begin_m, range.end_m);
   }
   const float arms = std::min(targets[Index(Limb::kLeftArm)], targets[Index(Limb::kRightArm)]);
   float& trunk = targets[Index(Limb::kTrunk)];
@@ -133,9 +140,10 @@ PerLimb LimbGate::Targets() const noexcept {
 // Two one-pole filters, the first of another time constant for either direction, each exact for a
 // target that is held over the frame. One critically damped filter would carry the speed of a fade
 // out into the slow return.
-void LimbGate::Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept {
-  Hold(Unusual(errors_m, dt_s), first);
-  const PerLimb targets = Targets();
+void LimbGate::Follow(const PerLimb& errors_m, float dt_s, bool first,
+                      const net::GateBounds& bounds) noexcept {
+  Hold(Unusual(errors_m, dt_s), first, bounds);
+  const PerLimb targets = Targets(bounds);
   if (first) led_ = weights_ = targets;
   const float close_s = tuning::kGateClose_s;
   const float open_s = tuning::kGateOpen_s;

@@ -9,6 +9,7 @@
 #include "model/base/realtime.h"
 #include "model/body/parts.h"
 #include "model/body/pose.h"
+#include "model/net/gate_bounds.h"
 
 namespace styled::stylist {
 
@@ -52,7 +53,7 @@ LimbErrors_m(std::span<const body::Quat, body::kJointCount> input,
 //     of legs: kicks would lose height;
 //   - a bad reconstruction counts at once; a better one only once it is kGateBand_m better, so that
 //     the gate does not flutter (hysteresis);
-//   - the weight is 1 below the limb's begin, 0 above its end, smooth between (tuning.h);
+//   - the weight is 1 below the limb's begin, 0 above its end, smooth between (net::GateBounds);
 //   - it falls within a time constant of kGateClose_s and returns within kGateOpen_s, with
 //     continuous speed, and without falling on once the error is small again.
 // An arm is carried by the trunk: where an arm shows none of the style, the trunk shows at most
@@ -62,7 +63,9 @@ class LimbGate {
  public:
   // Judges one frame, `dt_s` after the one before. `first`: there was none; no smoothing. An error
   // that is not finite counts as a limb that is not known. What is usual is kept; Reset forgets it.
-  STYLED_REALTIME void Follow(const PerLimb& errors_m, float dt_s, bool first) noexcept;
+  // `bounds`: the network's.
+  STYLED_REALTIME void Follow(const PerLimb& errors_m, float dt_s, bool first,
+                              const net::GateBounds& bounds = {}) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = LimbGate(); }
 
   // 0 .. 1: the share of the style that the limb shows.
@@ -75,8 +78,8 @@ class LimbGate {
 
  private:
   PerLimb Unusual(const PerLimb& errors_m, float dt_s) noexcept;
-  void Hold(const PerLimb& errors_m, bool first) noexcept;
-  PerLimb Targets() const noexcept;
+  void Hold(const PerLimb& errors_m, bool first, const net::GateBounds& bounds) noexcept;
+  PerLimb Targets(const net::GateBounds& bounds) const noexcept;
 
   PerLimb usual_m_{};           // a low quantile of the errors so far, at least kGateKnown_m
   PerLimb held_m_{};            // the error that counts

@@ -63,6 +63,7 @@ OptionsError Options::Validate() const noexcept {
   }
   if (!IsIn(out_of_domain_fade_s, 0, 10)) return OptionsError::kOutOfDomainFade;
   if (!(tilt_begin_rad >= 0 && tilt_begin_rad < tilt_end_rad)) return OptionsError::kTilt;
+  if (!IsIn(posture, 0, 1)) return OptionsError::kPosture;
   if (!IsIn(ground_tau_s, 0, 1)) return OptionsError::kGroundTau;
   if (feet::Validate(feet_options) != feet::OptionsError::kNone) return OptionsError::kFeet;
   return OptionsError::kNone;
@@ -88,6 +89,8 @@ const char* Expectation(OptionsError error) noexcept {
       return "out_of_domain_fade: expected 0 to 10 s";
     case OptionsError::kTilt:
       return "tilt_begin_rad: expected 0 or more, less than tilt_end_rad";
+    case OptionsError::kPosture:
+      return "posture: expected 0 to 1";
     case OptionsError::kGroundTau:
       return "ground_tau: expected 0 to 1 s";
     case OptionsError::kFeet:

@@ -75,6 +75,7 @@ enum class OptionsError {
   kOutOfDomain,      // not 0 <= out_of_domain_begin_rad < out_of_domain_end_rad
   kOutOfDomainFade,  // out_of_domain_fade_s outside 0 .. 10
   kTilt,             // not 0 <= tilt_begin_rad < tilt_end_rad
+  kPosture,          // posture outside 0 .. 1
   kGroundTau,        // ground_tau_s outside 0 .. 1
   kFeet,             // feet_options do not pass feet::Validate
 };
@@ -99,13 +100,16 @@ struct Options {
   float out_of_domain_begin_rad = tuning::kOutOfDomainBegin_rad;
   float out_of_domain_end_rad = tuning::kOutOfDomainEnd_rad;
   float out_of_domain_fade_s = tuning::kOutOfDomainFade_s;
-  // The same for the hips' tilt off upright (falls, lying), without a time constant.
+  // The same for the hips' tilt off upright (falls, lying), within tuning::kTiltFade_s.
   float tilt_begin_rad = tuning::kTiltBegin_rad;
   float tilt_end_rad = tuning::kTiltEnd_rad;
   // The network sees the performer as its own would hold themselves (model/neutral/neutral.h).
   bool neutral = true;
   // A limb that does what the network does not know keeps its own motion (limb_gate.h).
   bool limb_gate = true;
+  // The share of a style's posture that is kept where the network does not show it (posture.h); 0:
+  // none.
+  float posture = 1;
   // Time constant of the vertical shift of `ground`; 0: none.
   float ground_tau_s = tuning::kGroundTau_s;
   bool knees = true;           // no style bends a knee far backwards (knees.h)

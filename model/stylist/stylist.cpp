@@ -16,6 +16,7 @@
 #include "model/stylist/input_guard.h"
 #include "model/stylist/knees.h"
 #include "model/stylist/mixer.h"
+#include "model/stylist/posture.h"
 #include "model/stylist/predictor.h"
 #include "model/stylist/stride.h"
 #include "model/stylist/tuning.h"
@@ -98,6 +99,7 @@ struct Stylist::Impl {
   ChangeFilter filter;
   Domain domain;
   LimbGate gate;
+  PostureKeeper posture;
   Stride stride;
   // Vertical shifts: of the canonical humanoid, and of the source skeleton in its units.
   CriticallyDamped shift_m, rig_shift;
@@ -168,8 +170,8 @@ void Stylist::Carry(Checkpoint& c) noexcept {
   const auto styles = static_cast<int>(s.predictor.network()->model().styles.size());
   s.settings.Carry(c, styles);
   s.mixer.Carry(c, styles);
-  c(s.input_guard, s.neutral, s.predictor, s.filter, s.domain, s.gate, s.stride, s.shift_m,
-    s.rig_shift, s.feet, s.rig_feet, s.feet_style);
+  c(s.input_guard, s.neutral, s.predictor, s.filter, s.domain, s.gate, s.posture, s.stride,
+    s.shift_m, s.rig_shift, s.feet, s.rig_feet, s.feet_style);
   c.Time(s.last_ns);
   c(s.dt_s, s.last_gap_s, s.started, s.fresh_session, s.failed);
 }
@@ -321,7 +323,8 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   delta = filter.value();
   if (mixer.absolute() > 0 && predictor.any()) predictor.BlendAbsolute(seen, mixer, delta);
   if (options.limb_gate) {
-    gate.Follow(predictor.limb_errors_m(), static_cast<float>(dt_s), !started);
+    gate.Follow(predictor.limb_errors_m(), static_cast<float>(dt_s), !started,
+                predictor.network()->model().gate);
   }
   if (!mixer.whole() || gate.reduces()) {
     for (int joint = 0; joint < kJointCount; ++joint) {
@@ -332,6 +335,8 @@ void Stylist::Impl::ChangeStyle(const Pose& input) noexcept {
   }
   if (domain.reduces()) delta *= domain.weight();
   filter.Apply(delta, dt_s, options);
+  posture.Follow(predictor.network()->model().styles, mixer, filter.applied(), input,
+                 options.posture, static_cast<float>(dt_s));
 }
 
 void Stylist::Impl::Apply(Output& out) const noexcept {
@@ -343,11 +348,12 @@ void Stylist::Impl::Apply(Output& out) const noexcept {
     styled.rotations[joint] = (input.rotations[joint] * body::Exp(turn)).normalized();
   }
   if (options.knees) KeepKnees(input, 1 - mixer.absolute(), styled);
+  posture.Apply(styled);
 }
 
 // Nothing is styled, and the last style has faded completely.
 bool Stylist::Impl::Bypassed() const noexcept {
-  return mixer.empty() && stride.factor() == 1 && filter.applied().isZero(0.0F) &&
+  return mixer.empty() && stride.factor() == 1 && filter.applied().isZero(0.0F) && posture.none() &&
          feet_style.value() < tuning::kNoStyle && std::abs(shift_m.value()) < tuning::kSettled_m &&
          std::abs(rig_shift.value()) * binding->scale() < tuning::kSettled_m;
 }
@@ -411,6 +417,7 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
   filter.Clear();
   domain.Reset();
   gate.Reset();
+  posture.Reset();
   shift_m.Reset();
   rig_shift.Reset();
   feet_style.Reset();
@@ -422,7 +429,8 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
 void Stylist::Impl::Finish(Output& out) noexcept {
   out.reconstruction_rad = predictor.reconstruction_rad();
   out.turned_rad = failed ? 0
-                          : filter.applied().leftCols<kJointCount>().colwise().norm().sum() /
+                          : (filter.applied().leftCols<kJointCount>().colwise().norm().sum() +
+                             posture.turned_rad()) /
                                 static_cast<float>(kJointCount);
   out.limb_errors_m = predictor.limb_errors_m();
   out.limb_weights = gate.weights();

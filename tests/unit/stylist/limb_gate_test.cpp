@@ -7,12 +7,14 @@
 #include <limits>
 #include <string>
 
+#include "model/net/gate_bounds.h"
 #include "model/stylist/tuning.h"
 
 namespace styled::stylist {
 namespace {
 
 constexpr float kKnown_m = 0.04F, kUnknown_m = 0.4F;
+constexpr net::GateBounds::Range kArms = net::GateBounds().arms;
 
 PerLimb AllLimbs(float value) {
   PerLimb all;
@@ -95,7 +97,7 @@ TEST_F(LimbGateTest, NoLimbCausesAnotherToFadeButArmsTheTrunk) {
 }
 
 TEST_F(LimbGateTest, AFlutteringErrorDoesNotMakeTheStyleFlutter) {
-  const float middle_m = 0.5F * (tuning::kGateArmBegin_m + tuning::kGateArmEnd_m);
+  const float middle_m = 0.5F * (kArms.begin_m + kArms.end_m);
   // Well within the band, because what is usual is learnt meanwhile.
   const float half_band_m = 0.2F * tuning::kGateBand_m;
   Feed(AllLimbs(middle_m + half_band_m), 3);
@@ -166,7 +168,7 @@ TEST_F(LimbGateTest, AnErrorThatIsNotANumberIsAnUnknownLimbAndIsForgotten) {
 
 // Of another rig, whose errors never fall low.
 TEST_F(LimbGateTest, WhatIsUsualForAPerformerDoesNotCountForLong) {
-  const float usual_m = 0.5F * (tuning::kGateArmBegin_m + tuning::kGateArmEnd_m);
+  const float usual_m = 0.5F * (kArms.begin_m + kArms.end_m);
   Feed(Only(Limb::kLeftArm, usual_m), 3);
   EXPECT_LT(left_arm(), 0.6F);
   Feed(Only(Limb::kLeftArm, usual_m), 60);
@@ -185,7 +187,7 @@ TEST_F(LimbGateTest, WhatIsUsualForAPerformerDoesNotCountForLong) {
 // A second of punches, a second of guard, for two minutes.
 TEST_F(LimbGateTest, PunchesDoNotBecomeUsual) {
   for (int i = 0; i < 60; ++i) {
-    Feed(Only(Limb::kLeftArm, 0.5F * (tuning::kGateArmEnd_m + kUnknown_m)), 1);
+    Feed(Only(Limb::kLeftArm, 0.5F * (kArms.end_m + kUnknown_m)), 1);
     EXPECT_LT(left_arm(), 0.05F) << i;
     Feed(Only(Limb::kLeftArm, kKnown_m), 1);
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -11,17 +10,14 @@
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
 #include "model/trial/trial.h"
+#include "tests/unit/trial/data_folder.h"
 
 namespace styled::stylist {
 namespace {
 
-constexpr double kRate_hz = 120;
 constexpr int kFeminine = 6;
 
-std::filesystem::path Data() {
-  const char* set = std::getenv("STYLED_DATA");
-  return std::filesystem::path(set != nullptr ? set : STYLED_DATA_DEFAULT) / "samples";
-}
+std::filesystem::path Data() { return DataFolder() / "samples"; }
 
 struct LimbGateOnClips : testing::Test {
   void SetUp() override {
@@ -51,6 +47,7 @@ struct LimbGateOnClips : testing::Test {
     for (const bool gate : {false, true}) {
       Options options;
       options.limb_gate = gate;
+      options.posture = 0;  // it turns arms against the chest
       Stylist stylist(network, binding, options);
       Settings settings;
       settings.mix[0] = {kFeminine, 1};
