@@ -16,7 +16,10 @@
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
+#include "model/tools/number.h"
 #include "model/train/judge/judge_acts.h"
+#include "model/train/judge/judge_gait.h"
+#include "model/train/judge/judge_metrics.h"
 #include "model/train/judge/judge_provenance.h"
 #include "model/train/judge/judge_stream.h"
 #include "model/train/judge/judge_text.h"
@@ -45,6 +48,8 @@ struct Real {
 struct Row {
   judge::ActsKept acts;
   judge::JerkRatios jerk;
+  judge::Mean knee_in_deg, knee_out_deg;  // least bend, of both knees
+  judge::FeetFigures feet;
   std::array<judge::Mean, stylist::kLimbCount> shown;  // share of the style that a limb shows
   judge::Visible visible;
   judge::Mean unseen, faint;     // clips and styles of which too little is to be seen
@@ -53,6 +58,9 @@ struct Row {
   void Add(const Row& other) {
     acts.Add(other.acts);
     jerk.Add(other.jerk);
+    knee_in_deg.Add(other.knee_in_deg);
+    knee_out_deg.Add(other.knee_out_deg);
+    feet.Add(other.feet);
     for (std::size_t limb = 0; limb < shown.size(); ++limb) shown[limb].Add(other.shown[limb]);
     visible.Add(other.visible);
     unseen.Add(other.unseen);
@@ -90,9 +98,8 @@ Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing)
 void MeasureStyle(const judge::Poses& input, const judge::Poses& output, int style,
                   const Real& real, Row& row) {
   row.visible = judge::MeasureVisible(input, output);
-  const double seen_cm = Measured(row.visible.all_cm);
-  row.unseen.Add(seen_cm < judge::kUnseen_cm ? 1 : 0);
-  row.faint.Add(seen_cm < judge::kFaint_cm ? 1 : 0);
+  row.unseen.Add(row.visible.unseen() ? 1 : 0);
+  row.faint.Add(row.visible.most_cm() < judge::kFaint_cm ? 1 : 0);
   const auto place = std::find(real.styles.begin(), real.styles.end(), style);
   if (place == real.styles.end()) return;
   const auto at = static_cast<std::size_t>(place - real.styles.begin());
@@ -121,6 +128,9 @@ Row Measure(const judge::Poses& input, stylist::Stylist& stylist, int clip, int 
   }
   row.acts = judge::MeasureEveryAct(input, poses, judge::kStreamRate_hz);
   row.jerk = judge::MeasureJerkRatios(input, poses, judge::kStreamRate_hz, clip);
+  row.knee_in_deg = judge::MeasureGait(input, judge::kStreamRate_hz).lowest_knee_deg;
+  row.knee_out_deg = judge::MeasureGait(poses, judge::kStreamRate_hz).lowest_knee_deg;
+  row.feet = judge::MeasureFeet(input, poses, judge::kStreamRate_hz);
   MeasureStyle(input, poses, style, real, row);
   return row;
 }
@@ -158,6 +168,17 @@ void PrintVisible(const std::string& name, const Row& row) {
   std::printf("\n");
 }
 
+void PrintSteps(const std::string& name, const Row& row) {
+  using judge::Padded;
+  std::printf("%-36.36s %s %s  %s > %s  %s > %s\n", name.c_str(),
+              Padded(Measured(row.jerk.largest), 6, 2).c_str(),
+              Padded(If(row.jerk.largest.count, row.jerk.worst_largest), 6, 2).c_str(),
+              Padded(Measured(row.knee_in_deg), 6, 1).c_str(),
+              Padded(Measured(row.knee_out_deg), 5, 1).c_str(),
+              Padded(Measured(row.feet.skate_in_cm_s), 6, 1).c_str(),
+              Padded(Measured(row.feet.skate_out_cm_s), 5, 1).c_str());
+}
+
 nlohmann::json ToJson(const Row& row) {
   using judge::Value;
   const judge::ActsKept& acts = row.acts;
@@ -172,6 +193,12 @@ nlohmann::json ToJson(const Row& row) {
       {"least_kick_height", Value(If(acts.kick_height.count, acts.least_kick_height))},
       {"jerk", Value(Measured(row.jerk.clip))},
       {"worst_jerk", Value(If(row.jerk.clip.count, row.jerk.worst))},
+      {"largest_jerk", Value(Measured(row.jerk.largest))},
+      {"worst_largest_jerk", Value(If(row.jerk.largest.count, row.jerk.worst_largest))},
+      {"least_knee_in_deg", Value(Measured(row.knee_in_deg))},
+      {"least_knee_deg", Value(Measured(row.knee_out_deg))},
+      {"skate_in_cm_s", Value(Measured(row.feet.skate_in_cm_s))},
+      {"skate_cm_s", Value(Measured(row.feet.skate_out_cm_s))},
       {"turned_deg", Value(Measured(row.visible.turned_deg))},
       {"moved_cm", Value(Measured(row.visible.all_cm))},
       {"unseen", Value(Measured(row.unseen))},
@@ -284,6 +311,12 @@ Status Run(const Arguments& arguments) {
     PrintVisible(styles[static_cast<std::size_t>(style)].name, row);
   }
   PrintVisible("all", all);
+  std::printf("%-36s %6s %6s  %14s  %14s\n", "style, all clips", "snap", "worst", "least knee",
+              "skate, cm/s");
+  for (const auto& [style, row] : of_style) {
+    PrintSteps(styles[static_cast<std::size_t>(style)].name, row);
+  }
+  PrintSteps("all", all);
   json["all"] = ToJson(all);
   if (arguments.json.empty()) return Status::Ok();
   return judge::WriteJson(json, arguments.json);
@@ -301,10 +334,14 @@ int main(int argc, char** argv) {
       "the "
       "style shown by left arm, right arm, trunk, left leg, right leg. Then, for each clip in each "
       "style (a cell): degrees that a joint is turned, centimetres that head, hands, elbows, knees "
-      "and feet are moved, the share of cells below 1.5 cm (unseen) and 3 cm (faint); with --real "
+      "and feet are moved, the share of cells in which none of the five is moved by 1.5 cm "
+      "(unseen) "
+      "and by 3 cm (faint); with --real "
       "the share that is told from the other real styles by its direction, and its part of the "
-      "real "
-      "change.");
+      "real change. Then, by style, the largest jerk over the input's largest (snap: mean and "
+      "worst "
+      "clip), and the least bend of the knees, degrees, and the speed of feet on the floor, of the "
+      "input and styled.");
   app.add_option("clips", arguments.clips, "BVH files")->required()->check(CLI::ExistingFile);
   app.add_option("--weights", arguments.weights, "Weights that run live")->required();
   app.add_option("--styles", arguments.styles, "Only these styles")
@@ -316,6 +353,11 @@ int main(int argc, char** argv) {
       "pose and is then dropped");
   app.add_flag("!--no-neutral", arguments.stylist.neutral,
                "Do not take the performer's own carriage out before the network");
+  app.add_option("--posture", arguments.stylist.posture,
+                 "How much of a style's posture is kept where the network shows nothing of it")
+      ->check(styled::Number(0, 1))
+      ->capture_default_str();
+  app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold planted feet");
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
                "Do not withhold the style of limbs that the network does not know");
   const char* const data = std::getenv("STYLED_DATA");

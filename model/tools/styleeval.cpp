@@ -315,6 +315,10 @@ int main(int argc, char** argv) {
   app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold feet that are planted");
   app.add_flag("!--no-neutral", arguments.stylist.neutral,
                "Do not take the performer's own carriage out before the network");
+  app.add_option("--posture", arguments.stylist.posture,
+                 "How much of a style's posture is kept where the network shows nothing of it")
+      ->check(styled::Number(0, 1))
+      ->capture_default_str();
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
                "Do not withhold the style of limbs that the network does not know");
   app.add_flag("!--no-ground", arguments.stylist.ground,

@@ -17,6 +17,8 @@
 #include "model/train/blas.h"
 #include "model/train/check.h"
 #include "model/train/erd/recipe.h"
+#include "model/train/judge/judge_evidence.h"
+#include "model/train/judge/judge_posture.h"
 #include "model/train/judge/judge_reference.h"
 #include "model/train/judge/judge_speeds.h"
 #include "model/train/judge/judge_validation.h"
@@ -75,9 +77,11 @@ struct Flags {
   std::string family;
   std::vector<std::string> export_paths;
   std::string speeds;  // weights that get the speeds of the manifest's styles; nothing is trained
-  std::string reference;  // weights that get how the manifest's performers stand and walk
-  std::string judges;     // folder of cached judges; empty: the run is not judged
-  bool check = false;     // nothing is trained
+  std::vector<std::string> gate;  // weights that get the bounds behind them
+  std::string postures;           // weights that get how the manifest's styles carry themselves
+  std::string reference;          // weights that get how the manifest's performers stand and walk
+  std::string judges;             // folder of cached judges; empty: the run is not judged
+  bool check = false;             // nothing is trained
 };
 
 void AddRunFlags(CLI::App& app, Flags& flags) {
@@ -148,16 +152,30 @@ void AddFlags(CLI::App& app, Flags& flags) {
       "FILE: measure how the performers of --manifest hold themselves in neutral, standing and "
       "walking, write it into these weights, so that other performers are styled as these are, "
       "and end");
+  CLI::Option* const postures = app.add_option(
+      "--write-postures", flags.postures,
+      "FILE: measure how each style of --manifest carries trunk, head and shoulders, write it into "
+      "these weights, so that acts that the network does not know have that, and end");
+  CLI::Option* const gate = app.add_option(
+      "--write-gate", flags.gate,
+      "FILE ARMS TRUNK LEGS: write into these weights how far off, in metres, they may "
+      "reconstruct a limb before its style begins to fade out and is gone, each as "
+      "BEGIN:END, and end");
   app.add_flag("--check", flags.check,
                "Only check: say what is wrong with flags, manifest and clips, what the run will "
                "take (clips, windows, iterations a minute, memory), and end; leaves nothing")
       ->excludes("--export")
       ->excludes(speeds)
-      ->excludes(reference);
+      ->excludes(reference)
+      ->excludes(postures);
   AddRunFlags(app, flags);
   // The default manifest would replace the speeds of styles that it shares with the right one.
   speeds->needs("--manifest")->excludes("--out")->excludes("--export");
   reference->needs("--manifest")->excludes("--out")->excludes("--export")->excludes(speeds);
+  postures->needs("--manifest")->excludes("--out")->excludes("--export")->excludes(speeds);
+  postures->excludes(reference);
+  gate->expected(4)->excludes("--out")->excludes("--export")->excludes(speeds);
+  gate->excludes(reference)->excludes(postures);
   AddValidationFlags(app, flags);
 }
 
@@ -184,12 +202,40 @@ Status CheckOnly(RunConfig run, bool validated, FamilyFlags& family) {
   return recipe.ok() ? MeasureOnly(run, validated, *recipe.value()) : recipe.status();
 }
 
+// "0.14:0.28"
+Result<net::GateBounds::Range> ParseRange(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  float begin_m = 0, end_m = 0;
+  if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), begin_m) ||
+      !CLI::detail::lexical_cast(text.substr(colon + 1), end_m) ||
+      !(begin_m > 0 && begin_m < end_m && end_m <= 10)) {
+    return Status::Error("--write-gate: found \"" + text +
+                         "\", expected BEGIN:END in metres, 0 < BEGIN < END <= 10");
+  }
+  return net::GateBounds::Range{begin_m, end_m};
+}
+
+Status WriteGate(const std::vector<std::string>& words) {
+  net::GateBounds gate;
+  std::size_t word = 1;
+  for (net::GateBounds::Range* const range : {&gate.arms, &gate.trunk, &gate.legs}) {
+    const auto parsed = ParseRange(words[word++]);
+    if (!parsed.ok()) return parsed.status();
+    *range = parsed.value();
+  }
+  return judge::WriteGate(gate, words[0]);
+}
+
 Status Run(const Flags& flags, FamilyFlags& family) {
   if (!flags.speeds.empty()) {
     return judge::MeasureAndWriteSpeeds(flags.run.manifest, flags.run.data, flags.speeds);
   }
   if (!flags.reference.empty()) {
     return judge::MeasureAndWriteReference(flags.run.manifest, flags.run.data, flags.reference);
+  }
+  if (!flags.gate.empty()) return WriteGate(flags.gate);
+  if (!flags.postures.empty()) {
+    return judge::MeasureAndWritePostures(flags.run.manifest, flags.run.data, flags.postures);
   }
   if (!flags.export_paths.empty()) {
     return ExportRun(flags.export_paths[0], flags.export_paths[1], [](const std::string& name) {
@@ -239,10 +285,12 @@ int Main(int argc, char** argv) {
   const Status resolved = family_flags->Resolve(app);
   if (!resolved.ok()) return refuse(resolved.message());
   if (flags.export_paths.empty() && flags.speeds.empty() && flags.reference.empty() &&
-      flags.run.out.empty()) {
-    return refuse("--out, --export, --write-speeds or --write-reference is needed");
+      flags.postures.empty() && flags.gate.empty() && flags.run.out.empty()) {
+    return refuse(
+        "--out, --export, --write-speeds, --write-reference, --write-postures or --write-gate is "
+        "needed");
   }
-  if (flags.export_paths.empty() && flags.run.data.empty()) {
+  if (flags.export_paths.empty() && flags.gate.empty() && flags.run.data.empty()) {
     return refuse("--data is needed, the folder of the unpacked data, or STYLED_DATA");
   }
   const Status status = Run(flags, *family_flags);

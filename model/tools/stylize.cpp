@@ -313,7 +313,9 @@ class Run {
       outcome.slide_cm_s = styled.slide_cm_s;
       outcome.input_slide_cm_s = styled.input_slide_cm_s;
       outcome.turned_deg = styled.turned_deg;
-      outcome.hardly = styled.hardly;
+      outcome.moved_cm = styled.moved_cm;
+      outcome.seconds = styled.seconds;
+      outcome.unseen_s = styled.unseen_s;
       outcome.shown = styled.shown;
     }
     if (avatar_) {

@@ -29,6 +29,7 @@ struct Arguments {
   std::vector<std::string> like;      // clips that are examples of the style
   std::optional<std::uint64_t> vary;  // seed of the variation of every style named
   float amount = 1.0F;                // of that variation
+  float posture = 1.0F;               // stylist::Options::posture
   std::string window = "auto";        // a row of kWindows
   std::string parts = "all";          // parts of the body to style
   std::string root = "follow";        // or "stride": stylist::Root

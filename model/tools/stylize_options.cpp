@@ -71,6 +71,11 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
                  "from all of the clip; live, from its frames so far, as in a live stream; none; "
                  "or a BVH file of the same performer")
       ->capture_default_str();
+  app.add_option("--posture", arguments.posture,
+                 "how much of a style's carriage of trunk, head and shoulders is kept where the "
+                 "network shows nothing of the style, 0 to 1; of networks that run live")
+      ->check(Number(0, 1))
+      ->capture_default_str();
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,
@@ -129,9 +134,9 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
 // What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
 // excludes(), which would write as much behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
-    "--style",   "--strength",  "--mix",   "--like",        "--vary",  "--amount",
-    "--window",  "--absolute",  "--parts", "--input-style", "--root",  "--cadence",
-    "--neutral", "--no-bypass", "--feet",  "--weights",     "--avatar"};
+    "--style",   "--strength", "--mix",       "--like",        "--vary",    "--amount",
+    "--window",  "--absolute", "--parts",     "--input-style", "--root",    "--cadence",
+    "--neutral", "--posture",  "--no-bypass", "--feet",        "--weights", "--avatar"};
 
 }  // namespace
 

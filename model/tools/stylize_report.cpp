@@ -30,6 +30,8 @@ std::string HeldBack(const Outcome& outcome) {
   return text;
 }
 
+bool MostlyUnseen(const Outcome& outcome) { return 2 * outcome.unseen_s > outcome.seconds; }
+
 }  // namespace
 
 std::string SummaryLine(const Outcome& outcome) {
@@ -45,9 +47,11 @@ std::string SummaryLine(const Outcome& outcome) {
     line += ", out of domain " + Percent(outcome.out_of_domain, outcome.input_frames);
     line += ", joints turned by " + NumberText(outcome.turned_deg, 1) + " degrees";
     const std::string held_back = HeldBack(outcome);
-    if (outcome.hardly) {
-      line += ": hardly styled, the weights leave what is done here as it is";
-    } else if (!held_back.empty()) {
+    if (outcome.unseen_s > 0) {
+      line += ", hardly styled for " + std::to_string(outcome.unseen_s) + " of " +
+              std::to_string(outcome.seconds) + " s: the weights leave what is done there as it is";
+    }
+    if (!held_back.empty() && !MostlyUnseen(outcome)) {
       line += ", of the style are shown " + held_back;
     }
   }
@@ -77,7 +81,11 @@ std::string JsonLine(const Outcome& outcome) {
     }
     line["out_of_domain_share"] = Share(outcome.out_of_domain, outcome.input_frames);
     line["turned_deg"] = outcome.turned_deg;
-    line["hardly_styled"] = outcome.hardly;
+    for (std::size_t limb = 0; limb < outcome.moved_cm.size(); ++limb) {
+      line["moved_cm"][stylist::kVisibleLimbs[limb]] = outcome.moved_cm[limb];
+    }
+    line["hardly_styled"] = MostlyUnseen(outcome);
+    line["hardly_styled_s"] = outcome.unseen_s;
     for (std::size_t limb = 0; limb < outcome.shown.size(); ++limb) {
       line["shown_share"][stylist::kLimbNames[limb]] = outcome.shown[limb];
     }

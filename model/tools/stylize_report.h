@@ -6,6 +6,7 @@
 #include <string>
 
 #include "model/stylist/limb_gate.h"
+#include "model/stylist/visible.h"
 
 // What stylize tells of its outputs: a line for people or of JSON each, and progress.
 namespace styled::stylize {
@@ -24,16 +25,17 @@ struct Outcome {
   double rate_hz = 0, slide_cm_s = 0, input_slide_cm_s = 0;
   double turned_deg = 0;  // as stylize::Styled has them
   std::array<double, stylist::kLimbCount> shown{};
-  bool hardly = false;
+  std::array<double, stylist::kVisibleLimbs.size()> moved_cm{};
+  int seconds = 0, unseen_s = 0;
   bool styled = false;  // the network ran: what follows from it is known
 };
 
 // "in.bvh -> out.bvh: 171 frames at 60 Hz, cmu, feet planted 71 %, sliding 0.4 cm/s, ..."
 std::string SummaryLine(const Outcome& outcome);
 // An object: in, out, style, written, error, frames, rate_hz, seconds, dialect, rest, feet
-// {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, shown_share
-// {left-arm, ...}, own_frames, preview, note. What is not known is absent. Bytes that are no UTF-8
-// are replaced.
+// {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, moved_cm {head,
+// ...}, hardly_styled (in most seconds), hardly_styled_s, shown_share {left-arm, ...}, own_frames,
+// preview, note. What is not known is absent. Bytes that are no UTF-8 are replaced.
 std::string JsonLine(const Outcome& outcome);
 
 // The line at the bottom of a terminal that says how far a run is; nothing elsewhere.

@@ -15,18 +15,12 @@
 #include "model/stylist/avatar.h"
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/stylist.h"
+#include "model/stylist/tuning.h"
 #include "model/trial/trial.h"
 
 namespace styled::stylize {
 namespace {
 
-// A style that turns joints by less is not to be seen, degrees. The shipped weights leave acts that
-// no style was recorded in as they are: of 90 clips in elderly, 41 (jumps, acrobatics, punches) are
-// turned by at most 0.46, the others by 1.07 at least, walks and standing by 3.1 to 8.6. It
-// measures how much is changed, not how well.
-constexpr double kHardly_deg = 0.5;
-// Styles times strength from which one expects to see something.
-constexpr float kMuch = 0.5F;
 constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
 
 // Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
@@ -199,12 +193,36 @@ class Slide {
 // How much of the style the frames show.
 class Effect {
  public:
-  void Add(const stylist::Output& out) {
+  // A frame of this moment of the input.
+  void Add(const stylist::Output& out, double time_s) {
+    if (in_second_ > 0 && time_s >= seconds_ + 1) EndSecond();
+    const stylist::Moved moved_m = stylist::MovedBy(out.canonical_input, out.canonical);
+    for (std::size_t limb = 0; limb < moved_m.size(); ++limb) {
+      second_m_[limb] += moved_m[limb];
+      moved_m_[limb] += static_cast<double>(moved_m[limb]);
+    }
+    ++in_second_;
     turned_rad_ += static_cast<double>(out.turned_rad);
     for (std::size_t limb = 0; limb < shown_.size(); ++limb) {
       shown_[limb] += static_cast<double>(out.limb_weights[limb]);
     }
     ++frames_;
+  }
+  // The last second may be a part of one.
+  void EndSecond() {
+    if (in_second_ == 0) return;
+    for (float& sum : second_m_) sum /= static_cast<float>(in_second_);
+    unseen_s_ += stylist::IsUnseen(second_m_) ? 1 : 0;
+    ++seconds_;
+    second_m_ = {};
+    in_second_ = 0;
+  }
+  int seconds() const { return seconds_; }
+  int unseen_s() const { return unseen_s_; }
+  std::array<double, stylist::kVisibleLimbs.size()> Moved_cm() const {
+    auto mean = moved_m_;
+    for (double& sum : mean) sum *= 100 / frames_;
+    return mean;
   }
   double Turned_deg() const { return turned_rad_ / frames_ * 180 / std::numbers::pi; }
   std::array<double, stylist::kLimbCount> Shown() const {
@@ -216,6 +234,9 @@ class Effect {
  private:
   double turned_rad_ = 0, frames_ = 0;
   std::array<double, stylist::kLimbCount> shown_{};
+  std::array<double, stylist::kVisibleLimbs.size()> moved_m_{};
+  stylist::Moved second_m_{};  // sums in the second under way
+  int in_second_ = 0, seconds_ = 0, unseen_s_ = 0;
 };
 
 }  // namespace
@@ -238,6 +259,7 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
   restyler.neutral_of_clip_ = arguments.neutral == kNeutralOfClip && arguments.input_style.empty();
   restyler.neutral_ = neutral;
   restyler.options_.neutral = arguments.neutral != kNoNeutral;
+  restyler.options_.posture = arguments.posture;
   restyler.network_ = network;
   restyler.options_.bypass = !arguments.no_bypass;
   restyler.options_.feet = arguments.feet;
@@ -269,13 +291,10 @@ std::optional<neutral::Known> Restyler::NeutralOf(const clip::Clip& clip,
 
 bool Restyler::WantsMuch() const {
   if (network_.clips) {
-    return clip_style_.weight >= kMuch && clip_style_.parts == body::kAllParts;
+    return clip_style_.weight >= stylist::tuning::kAsksForMuch &&
+           clip_style_.parts == body::kAllParts;
   }
-  float sum = 0;
-  for (const net::StyleWeight& entry : settings_.mix) {
-    if (entry.style > 0) sum += entry.weight;  // not neutral
-  }
-  return sum * settings_.strength >= kMuch && settings_.parts == body::kAllParts;
+  return stylist::AsksForMuch(settings_);
 }
 
 Result<Styled> Restyler::Run(const std::string& file,
@@ -316,7 +335,7 @@ Result<Styled> Restyler::Run(const std::string& file,
     if (i > 0) time_s += dt_s;
     slide.Add(out, 1 / frames.rate_hz, dt_s);
     if (!frames.Given(i)) continue;
-    effect.Add(out);
+    effect.Add(out, static_cast<double>(i) / frames.rate_hz);
     if (!styled) ++result.failed;
     if (out.contacts != 0) ++result.planted;
     if ((out.flags & stylist::kOutOfDomain) != 0) ++result.out_of_domain;
@@ -326,8 +345,11 @@ Result<Styled> Restyler::Run(const std::string& file,
   }
   result.slide_cm_s = slide.Cm_s();
   result.input_slide_cm_s = slide.Input_cm_s();
+  effect.EndSecond();
   result.turned_deg = effect.Turned_deg();
-  result.hardly = WantsMuch() && result.turned_deg < kHardly_deg;
+  result.moved_cm = effect.Moved_cm();
+  result.seconds = effect.seconds();
+  if (WantsMuch()) result.unseen_s = effect.unseen_s();
   result.shown = effect.Shown();
   return result;
 }

@@ -16,6 +16,7 @@
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/settings.h"
 #include "model/stylist/stylist.h"
+#include "model/stylist/visible.h"
 #include "model/tools/stylize.h"
 
 namespace styled::stylize {
@@ -30,8 +31,11 @@ struct Styled {
   double slide_cm_s = 0, input_slide_cm_s = 0;
   // By how much the style turns a joint, mean of all frames (stylist::Output).
   double turned_deg = 0;
-  // Much of a style was asked for, and nearly nothing came of it.
-  bool hardly = false;
+  // How far it moves limbs, mean of all frames, cm (stylist::MovedBy).
+  std::array<double, stylist::kVisibleLimbs.size()> moved_cm{};
+  // The input's seconds, and those in which much of a style was asked for and nothing of it is to
+  // be seen (stylist::IsUnseen).
+  int seconds = 0, unseen_s = 0;
   // By stylist::Limb: the mean share of the style that it shows. The rest is held back, because the
   // network does not know what the limb does.
   std::array<double, stylist::kLimbCount> shown{};

@@ -113,15 +113,28 @@ TEST_F(StylizeFiles, HowMuchOfTheStyleIsShownIsTold) {
   ASSERT_EQ(Stylize("-s bent " + files), 0) << said_;
   EXPECT_THAT(out_, HasSubstr("joints turned by 0.8 degrees"));  // 0.3 rad of one joint in 21
   EXPECT_THAT(out_, Not(HasSubstr("hardly")));
-  ASSERT_EQ(Stylize("-s bent --strength 0.5 --overwrite " + files), 0) << said_;
-  EXPECT_THAT(out_, HasSubstr("joints turned by 0.4 degrees: hardly styled"));
-  ASSERT_EQ(Stylize("-s bent --strength 0.1 --overwrite " + files), 0) << said_;
-  EXPECT_THAT(out_, Not(HasSubstr("hardly"))) << "not much was asked for";
   ASSERT_EQ(Stylize("--json -s bent --overwrite " + files), 0) << said_;
   const json line = Lines()[0];
   EXPECT_NEAR(line["turned_deg"].get<double>(), 0.82, 0.05);
+  EXPECT_GT(line["moved_cm"]["hands"].get<double>(), 5);
+  EXPECT_LT(line["moved_cm"]["feet"].get<double>(), 0.5);
   EXPECT_EQ(line["hardly_styled"], false);
+  EXPECT_EQ(line["hardly_styled_s"], 0);
   EXPECT_NEAR(line["shown_share"]["trunk"].get<double>(), 1, 1e-3);
+}
+
+TEST_F(StylizeFiles, SecondsInWhichNothingIsToBeSeenAreTold) {
+  auto offsets = offset::TestOffsets();
+  offsets[1][body::kSpine] = body::Exp(body::Vec3(0.02F, 0, 0));
+  ASSERT_TRUE(offset::Write(weights_, offset::TestModel(), offsets).ok());
+  const std::string files = Walk("30", "2.5") + " " + made_ + ".bvh";
+  ASSERT_EQ(Stylize("-s bent " + files), 0) << said_;
+  EXPECT_THAT(out_, HasSubstr(", hardly styled for 3 of 3 s: the weights leave what"));
+  ASSERT_EQ(Stylize("-s bent --strength 0.4 --overwrite " + files), 0) << said_;
+  EXPECT_THAT(out_, Not(HasSubstr("hardly"))) << "not much was asked for";
+  ASSERT_EQ(Stylize("--json -s bent --overwrite " + files), 0) << said_;
+  EXPECT_EQ(Lines()[0]["hardly_styled"], true);
+  EXPECT_EQ(Lines()[0]["hardly_styled_s"], 3);
 }
 
 TEST_F(StylizeFiles, ABadFileDoesNotStopTheOthers) {

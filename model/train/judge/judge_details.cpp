@@ -24,6 +24,7 @@ double Worst(const JerkRatios& jerk) { return jerk.worst_clip < 0 ? kNotMeasured
 nlohmann::json ToJson(const JerkRatios& jerk) {
   return {
       {"mean_of_clips", Value(Measured(jerk.clip))},
+      {"largest", Value(Measured(jerk.largest))},
       {"worst_clip", jerk.worst_clip < 0 ? nlohmann::json(nullptr) : nlohmann::json(jerk.worst)},
       {"first_quarter_second", Value(Measured(jerk.first_quarter_second))},
       {"after_first_second", Value(Measured(jerk.after_first_second))},
@@ -59,8 +60,10 @@ void PrintGaits(const clip::Manifest& manifest, const Details& details) {
 }
 
 void PrintRow(const std::string& name, const JerkRatios& jerk, const ActsKept& acts) {
-  std::printf("%-14.14s %s %s %s %s %6.0f  %s %s %6.0f %s %6.0f\n", name.c_str(),
+  std::printf("%-14.14s %s %s %s %s %s %s %6.0f  %s %s %6.0f %s %6.0f\n", name.c_str(),
               Padded(Measured(jerk.clip), 8, 2).c_str(), Padded(Worst(jerk), 8, 2).c_str(),
+              Padded(Measured(jerk.largest), 8, 2).c_str(),
+              Padded(jerk.largest.count > 0 ? jerk.worst_largest : kNotMeasured, 8, 2).c_str(),
               Padded(Measured(jerk.first_quarter_second), 12, 2).c_str(),
               Padded(Measured(jerk.after_first_second), 10, 2).c_str(), jerk.clip.count,
               Padded(Measured(acts.reach), 8, 2).c_str(),
@@ -125,9 +128,9 @@ void Print(const clip::Manifest& manifest, const Details& details) {
   PrintGaits(manifest, details);
   std::printf(
       "\n%s, jerk of each clip over its input's; acts kept\n"
-      "%-14s %8s %8s %12s %10s %6s  %8s %8s %6s %8s %6s\n",
-      details.title.c_str(), "style", "mean", "worst", "first 0.25 s", "after 1 s", "clips",
-      "reach", "off, deg", "hands", "kick", "kicks");
+      "%-14s %8s %8s %8s %8s %12s %10s %6s  %8s %8s %6s %8s %6s\n",
+      details.title.c_str(), "style", "mean", "worst", "largest", "worst", "first 0.25 s",
+      "after 1 s", "clips", "reach", "off, deg", "hands", "kick", "kicks");
   for (std::size_t style = 1; style < details.styles.size(); ++style) {
     PrintRow(manifest.styles[style].name, details.styles[style].jerk, details.styles[style].acts);
   }

@@ -19,6 +19,20 @@ bool IsCalled(const Json& style, const std::string& name) {
 
 }  // namespace
 
+Result<TrainingSet> ReadTrainingSet(const std::filesystem::path& manifest,
+                                    const std::filesystem::path& folder) {
+  const Status found = train::CheckDataFolder(folder);
+  if (!found.ok()) return found;
+  auto read = clip::LoadManifest(manifest, folder);
+  if (!read.ok()) return read.status();
+  erd::FeatureParameters parameters;
+  parameters.rate_hz = static_cast<float>(kStreamRate_hz / kStreamPerJudge);
+  auto clips = train::LoadClips(read.value(), "train", parameters, 2);
+  if (!clips.ok()) return clips.status();
+  return TrainingSet{std::move(read.value()), std::move(clips.value()),
+                     static_cast<double>(parameters.rate_hz)};
+}
+
 Status EditMetadata(const std::filesystem::path& weights,
                     const std::function<Status(Json& keys)>& edit) {
   const auto bytes = net::ReadFile(weights);
@@ -81,6 +95,13 @@ Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::
     if (of.recognized >= 0) {
       style["recognized"] = std::max(0.001, std::round(1000 * of.recognized) / 1000);
     }
+  });
+}
+
+Status WriteGate(const net::GateBounds& gate, const std::filesystem::path& weights) {
+  return EditMetadata(weights, [&gate](nlohmann::ordered_json& keys) {
+    keys["gate"] = nlohmann::ordered_json(net::AsJson(gate));
+    return Status::Ok();
   });
 }
 

@@ -9,10 +9,21 @@
 
 #include "model/base/status.h"
 #include "model/clip/manifest.h"
+#include "model/net/gate_bounds.h"
 #include "model/train/dataset.h"
 #include "model/train/judge/judge_report.h"
 
 namespace styled::judge {
+
+// The training clips of a manifest, at the judges' rate: what is measured of them and written into
+// weights.
+struct TrainingSet {
+  clip::Manifest manifest;
+  std::vector<train::TrainingClip> clips;
+  double rate_hz = 0;
+};
+Result<TrainingSet> ReadTrainingSet(const std::filesystem::path& manifest,
+                                    const std::filesystem::path& folder);
 
 // Calls `edit` with the metadata of a weights file of any family (model/net/FORMAT.md), and writes
 // what came of it. Tensors stay. Replaces `weights` atomically, and not where `edit` fails or the
@@ -25,6 +36,9 @@ Status EditMetadata(const std::filesystem::path& weights,
 // styles is an error.
 Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
                   const std::function<void(std::size_t name, nlohmann::ordered_json& style)>& edit);
+
+// Writes the key "gate" (model/net/FORMAT.md). All other keys stay.
+Status WriteGate(const net::GateBounds& gate, const std::filesystem::path& weights);
 
 // The strength of the evidence for a style: how much of it the generator was trained on, s, and the
 // share of windows in which the judge takes the styled clips for it, -1 where it was not measured.

@@ -61,8 +61,11 @@ Pca FitPca(const Eigen::MatrixXd& samples, int dimensions) {
   return {samples.colwise().mean(), solver.eigenvectors().rightCols(kept)};
 }
 
-Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz) {
-  Mean mean;
+namespace {
+
+// Calls `add` with the jerk of every joint in every frame.
+template <typename Add>
+void ForJerks(std::span<const body::Pose> poses, double rate_hz, const Add& add) {
   const std::vector<body::WorldPose> worlds = Worlds(poses);
   const float cube = static_cast<float>(rate_hz * rate_hz * rate_hz);
   const auto local = [&](std::size_t frame, int joint) {
@@ -75,16 +78,31 @@ Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz) {
     for (int joint = 0; joint < body::kJointCount; ++joint) {
       const body::Vec3 third =
           local(i, joint) - 3 * local(i - 1, joint) + 3 * local(i - 2, joint) - local(i - 3, joint);
-      mean.Add(third.norm() * cube);
+      add(static_cast<double>(third.norm() * cube));
     }
   }
+}
+
+}  // namespace
+
+Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz) {
+  Mean mean;
+  ForJerks(poses, rate_hz, [&mean](double jerk) { mean.Add(jerk); });
   return mean;
+}
+
+double LargestJerk(std::span<const body::Pose> poses, double rate_hz) {
+  double largest = 0;
+  ForJerks(poses, rate_hz, [&largest](double jerk) { largest = std::max(largest, jerk); });
+  return largest;
 }
 
 void JerkRatios::Add(const JerkRatios& other) {
   clip.Add(other.clip);
   first_quarter_second.Add(other.first_quarter_second);
   after_first_second.Add(other.after_first_second);
+  largest.Add(other.largest);
+  worst_largest = std::max(worst_largest, other.worst_largest);
   if (other.worst_clip >= 0 && (worst_clip < 0 || other.worst > worst)) {
     worst = other.worst;
     worst_clip = other.worst_clip;
@@ -106,6 +124,8 @@ JerkRatios MeasureJerkRatios(std::span<const body::Pose> input, std::span<const 
   add(0, second / 4, ratios.first_quarter_second);
   add(second, input.size(), ratios.after_first_second);
   if (ratios.clip.count > 0) {
+    ratios.largest.Add(LargestJerk(output, rate_hz) / LargestJerk(input, rate_hz));
+    ratios.worst_largest = ratios.largest.value();
     ratios.worst = ratios.clip.value();
     ratios.worst_clip = clip;
   }

@@ -51,6 +51,8 @@ struct Mean {
 // Joint jerk (m/s^3): the third difference of the joints' world positions without the hips'
 // horizontal path, averaged over joints and frames. Empty for fewer than four frames.
 Mean MeanJerk(std::span<const body::Pose> poses, double rate_hz);
+// The largest of any joint in any frame: the mean hides a knee that snaps.
+double LargestJerk(std::span<const body::Pose> poses, double rate_hz);
 
 // The jerk of outputs over their own inputs', clip by clip: pooled over clips, the fast ones would
 // hide the others. A figure without a count was not measured.
@@ -58,6 +60,8 @@ struct JerkRatios {
   Mean clip;                  // over the whole clip
   Mean first_quarter_second;  // of a session
   Mean after_first_second;
+  Mean largest;  // the largest jerk of the whole clip over the input's largest
+  double worst_largest = 0;
   double worst = 0;  // of the whole clips
   int worst_clip = -1;
 

@@ -73,20 +73,14 @@ Status WriteReference(const neutral::Reference& reference, const std::filesystem
   });
 }
 
-Status MeasureAndWriteReference(const std::filesystem::path& manifest_file,
+Status MeasureAndWriteReference(const std::filesystem::path& manifest,
                                 const std::filesystem::path& folder,
                                 const std::filesystem::path& weights) {
-  const Status found = train::CheckDataFolder(folder);
-  if (!found.ok()) return found;
-  const auto manifest = clip::LoadManifest(manifest_file, folder);
-  if (!manifest.ok()) return manifest.status();
-  erd::FeatureParameters parameters;
-  parameters.rate_hz = static_cast<float>(kStreamRate_hz / kStreamPerJudge);
-  const auto clips = train::LoadClips(manifest.value(), "train", parameters, 2);
-  if (!clips.ok()) return clips.status();
-  const auto reference = MeasureReference(clips.value(), static_cast<double>(parameters.rate_hz));
+  const auto set = ReadTrainingSet(manifest, folder);
+  if (!set.ok()) return set.status();
+  const auto reference = MeasureReference(set.value().clips, set.value().rate_hz);
   if (!reference) {
-    return Status::Error(manifest_file.string() +
+    return Status::Error(manifest.string() +
                          ": expected neutral clips in which somebody stands and walks, found none");
   }
   return WriteReference(*reference, weights);

@@ -71,16 +71,10 @@ Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::p
 Status MeasureAndWriteSpeeds(const std::filesystem::path& manifest_file,
                              const std::filesystem::path& folder,
                              const std::filesystem::path& weights) {
-  const Status found = train::CheckDataFolder(folder);
-  if (!found.ok()) return found;
-  const auto manifest = clip::LoadManifest(manifest_file, folder);
-  if (!manifest.ok()) return manifest.status();
-  erd::FeatureParameters parameters;
-  parameters.rate_hz = static_cast<float>(kStreamRate_hz / kStreamPerJudge);
-  const auto clips = train::LoadClips(manifest.value(), "train", parameters, 2);
-  if (!clips.ok()) return clips.status();
-  const auto speeds =
-      MeasureSpeeds(manifest.value(), clips.value(), static_cast<double>(parameters.rate_hz));
+  const auto set = ReadTrainingSet(manifest_file, folder);
+  if (!set.ok()) return set.status();
+  const auto& [manifest, clips, rate_hz] = set.value();
+  const auto speeds = MeasureSpeeds(manifest, clips, rate_hz);
   for (const StyleSpeeds& style : speeds) {
     std::printf("%-16s walk %.2f m/s, %.1f steps/min; run %.2f m/s, %.1f steps/min\n",
                 style.style.c_str(), style.walk_mps, style.walk_spm, style.run_mps, style.run_spm);

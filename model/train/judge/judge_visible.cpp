@@ -1,5 +1,6 @@
 #include "model/train/judge/judge_visible.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/body/heading.h"
@@ -12,21 +13,6 @@ using body::kJointCount;
 using body::Pose;
 using body::Quat;
 using body::WorldPose;
-
-constexpr std::array<std::array<int, 2>, kVisibleLimbs.size()> kJoints{
-    {{body::kHead, -1},
-     {body::kLeftHand, body::kRightHand},
-     {body::kLeftLowerArm, body::kRightLowerArm},
-     {body::kLeftLowerLeg, body::kRightLowerLeg},
-     {body::kLeftFoot, body::kRightFoot}}};
-
-WorldPose InPlace(const Pose& pose) {
-  Pose in_place = pose;
-  in_place.hips_position_m.x() = in_place.hips_position_m.z() = 0;
-  WorldPose world;
-  body::ForwardKinematics(in_place, world);
-  return world;
-}
 
 void Add(const Pose& pose, MeanCarriage& mean) {
   WorldPose world;
@@ -47,29 +33,40 @@ void Visible::Add(const Visible& other) {
     moved_cm[limb].Add(other.moved_cm[limb]);
 }
 
+double Visible::most_cm() const {
+  double most_cm = 0;
+  for (const Mean& limb : moved_cm) most_cm = std::max(most_cm, limb.value());
+  return most_cm;
+}
+
+bool Visible::unseen() const {
+  stylist::Moved moved_m{};
+  for (std::size_t limb = 0; limb < moved_m.size(); ++limb) {
+    moved_m[limb] = static_cast<float>(moved_cm[limb].value() / 100);
+  }
+  return stylist::IsUnseen(moved_m);
+}
+
 Visible MeasureVisible(std::span<const Pose> input, std::span<const Pose> output) {
   Visible visible;
   for (std::size_t i = 0; i < input.size(); ++i) {
-    const WorldPose from = InPlace(input[i]), to = InPlace(output[i]);
-    double turned_rad = 0, all_m = 0;
-    int count = 0;
+    double turned_rad = 0;
     for (std::size_t j = 0; j < kJointCount; ++j) {
       turned_rad += static_cast<double>(
           body::Log(input[i].rotations[j].conjugate() * output[i].rotations[j]).norm());
     }
-    visible.turned_deg.Add(turned_rad / kJointCount * static_cast<double>(kDegrees));
-    for (std::size_t limb = 0; limb < kJoints.size(); ++limb) {
-      for (const int joint : kJoints[limb]) {
-        if (joint < 0) continue;
-        const auto j = static_cast<std::size_t>(joint);
-        const double moved_m =
-            static_cast<double>((to.positions_m[j] - from.positions_m[j]).norm());
-        visible.moved_cm[limb].Add(100 * moved_m);
-        all_m += moved_m;
-        ++count;
-      }
+    visible.turned_deg.Add(turned_rad * static_cast<double>(kDegrees) /
+                           static_cast<double>(kJointCount));
+    const stylist::Moved moved_m = stylist::MovedBy(input[i], output[i]);
+    double all_m = 0;
+    int joints = 0;
+    for (std::size_t limb = 0; limb < moved_m.size(); ++limb) {
+      const int sides = limb == 0 ? 1 : 2;
+      visible.moved_cm[limb].Add(100 * static_cast<double>(moved_m[limb]));
+      all_m += sides * static_cast<double>(moved_m[limb]);
+      joints += sides;
     }
-    visible.all_cm.Add(100 * all_m / count);
+    visible.all_cm.Add(100 * all_m / joints);
   }
   return visible;
 }

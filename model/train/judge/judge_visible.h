@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/body/pose.h"
+#include "model/stylist/visible.h"
 #include "model/train/dataset.h"
 #include "model/train/judge/judge_metrics.h"
 
@@ -16,17 +17,18 @@ namespace styled::judge {
 // is to be seen, and which of several styles it is. Needs no judge that was trained on somebody.
 // Pinned by tests/unit/judge/judge_visible_test.cpp.
 
-inline constexpr std::array<std::string_view, 5> kVisibleLimbs{"head", "hands", "elbows", "knees",
-                                                               "feet"};
-// A style that moves these by less on average is not to be seen, and below the second it is faint.
-inline constexpr double kUnseen_cm = 1.5, kFaint_cm = 3;
+using stylist::kVisibleLimbs;
+// A style that moves none of these by this on average is faint (stylist::IsUnseen: not to be seen).
+inline constexpr double kFaint_cm = 3;
 
 // Of one clip in one style; a mean over clips after Add.
 struct Visible {
   Mean turned_deg;  // by what a joint is turned, mean of all joints
   std::array<Mean, kVisibleLimbs.size()>
-      moved_cm;  // how far each is from the input's, beside the hips' way
-  Mean all_cm;   // the mean of the nine
+      moved_cm;            // how far each is from the input's, beside the hips' way
+  Mean all_cm;             // the mean of the nine
+  double most_cm() const;  // of the limb that is moved most
+  bool unseen() const;
 
   void Add(const Visible& other);
 };

@@ -141,6 +141,19 @@ TEST(JerkRatios, AreOfTheClipItsBeginningAndItsRest) {
   EXPECT_GT(twice.clip.value(), twice.after_first_second.value());
   EXPECT_EQ(twice.worst_clip, 7);
 }
+TEST(JerkRatios, TheLargestIsThatOfOneFrameWhichTheMeanHides) {
+  const auto input = Swaying(1, 1);
+  auto output = input;
+  output[120].hips_position_m.y() += 0.01F;  // a snap
+  const JerkRatios ratios = MeasureJerkRatios(input, output, 120, 0);
+  EXPECT_NEAR(ratios.largest.value(), 3 * 0.01 * 120 * 120 * 120 / (0.01 * 20 * 20 * 20), 20);
+  EXPECT_LT(ratios.clip.value(), ratios.largest.value() / 20);
+  JerkRatios sum = MeasureJerkRatios(input, input, 120, 1);
+  EXPECT_NEAR(sum.largest.value(), 1, 1e-6);
+  sum.Add(ratios);
+  EXPECT_NEAR(sum.largest.value(), (1 + ratios.largest.value()) / 2, 1e-6);
+  EXPECT_EQ(sum.worst_largest, ratios.worst_largest);
+}
 TEST(JerkRatios, OfClipsAreAveragedNotPooled) {
   JerkRatios sum;
   sum.Add(MeasureJerkRatios(Swaying(100, 1), Swaying(100, 1), 120, 0));  // a run: ratio 1

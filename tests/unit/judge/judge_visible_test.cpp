@@ -26,6 +26,7 @@ TEST(MeasureVisible, IsHowFarEachLimbIsFromThePerformers) {
   for (const std::size_t limb : {0U, 2U, 3U, 4U})
     EXPECT_NEAR(visible.moved_cm[limb].value(), 0, 1e-3);
   EXPECT_NEAR(visible.all_cm.value(), visible.moved_cm[1].value() * 2 / 9, 1e-3);
+  EXPECT_EQ(visible.most_cm(), visible.moved_cm[1].value());
 }
 
 TEST(MeasureVisible, TheWayOverTheFloorIsNoStyle) {
