@@ -62,6 +62,8 @@ v1::PerformerStats Lasting(const v1::PerformerStats& performer) {
   lasting.clear_refused_as();
   lasting.clear_shown();
   lasting.clear_turned_deg();
+  lasting.clear_moved();
+  lasting.clear_hardly_styled();
   lasting.clear_neutral();
   return lasting;
 }

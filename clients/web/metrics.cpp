@@ -179,6 +179,23 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     if (!p.has_turned_deg()) continue;
     text.Sample(Number(p.turned_deg()), "performer=" + Quoted(p.performer()));
   }
+  text.Family("styled_performer_moved_centimetres", "gauge",
+              "how far the style moved a limb, mean over the last second");
+  for (const auto& p : stats.performers()) {
+    if (!p.has_moved()) continue;
+    const string labels = "performer=" + Quoted(p.performer()) + ",limb=";
+    text.Sample(Number(p.moved().head()), labels + "\"head\"");
+    text.Sample(Number(p.moved().hands()), labels + "\"hands\"");
+    text.Sample(Number(p.moved().elbows()), labels + "\"elbows\"");
+    text.Sample(Number(p.moved().knees()), labels + "\"knees\"");
+    text.Sample(Number(p.moved().feet()), labels + "\"feet\"");
+  }
+  text.Family("styled_performer_hardly_styled", "gauge",
+              "1 while much of a style is asked for and next to nothing of it is to be seen");
+  for (const auto& p : stats.performers()) {
+    if (!p.has_moved()) continue;
+    text.Sample(p.hardly_styled() ? "1" : "0", "performer=" + Quoted(p.performer()));
+  }
   text.Family("styled_performer_neutral_learned_ratio", "gauge",
               "how well the performer's own way of standing and walking is known");
   for (const auto& p : stats.performers()) {

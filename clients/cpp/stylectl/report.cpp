@@ -109,17 +109,9 @@ std::array<std::pair<const char*, float>, 5> Limbs(const v1::LimbShares& shown) 
 
 // What is held back of the style that the performer has, a line; "": nothing that one would miss.
 std::string HeldBackText(const v1::PerformerStats& performer) {
-  constexpr float kHardly_deg = 0.5F;  // less is not to be seen; stylize has the figures
-  constexpr float kMuch = 0.5F;        // styles times strength from which one expects to see some
   constexpr float kMissed = 0.9F;
-  const v1::Look& look = performer.look();
-  float wanted = 0;
-  for (const auto& entry : look.mix()) wanted += entry.weight();
   if (!performer.live() || !performer.has_turned_deg()) return "";
-  const bool much =
-      wanted * look.strength() >= kMuch &&
-      std::ranges::all_of(look.parts(), [](int part) { return part == v1::BODY_PART_ALL; });
-  if (much && performer.turned_deg() < kHardly_deg) {
+  if (performer.hardly_styled()) {
     return performer.performer() +
            " is hardly styled now: the weights leave what they do as it is\n";
   }
@@ -164,6 +156,21 @@ json ShownJson(const v1::LimbShares& shown) {
     out[key] = Rounded(static_cast<double>(share), 3);
   }
   return out;
+}
+
+// Of the limb that the style moves most.
+double Most_cm(const v1::MovedLimbs& moved) {
+  return static_cast<double>(
+      std::max({moved.head(), moved.hands(), moved.elbows(), moved.knees(), moved.feet()}));
+}
+
+json MovedJson(const v1::MovedLimbs& moved) {
+  const auto cm = [](float of_limb) { return Rounded(static_cast<double>(of_limb), 1); };
+  return {{"head", cm(moved.head())},
+          {"hands", cm(moved.hands())},
+          {"elbows", cm(moved.elbows())},
+          {"knees", cm(moved.knees())},
+          {"feet", cm(moved.feet())}};
 }
 
 }  // namespace
@@ -336,7 +343,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   if (stats.performers_size() > 0) {
     std::vector<std::vector<std::string>> rows{
         {"PERFORMER", "STATE", "HZ", "P50 us", "P99 us", "MAX us", "P99 1 min", "P99 all", "OVER",
-         "PUBLISHED", "LOST", "STRENGTH", "STYLE", "TURNS deg", ""}};
+         "PUBLISHED", "LOST", "STRENGTH", "STYLE", "MOVES cm", ""}};
     std::string warnings, merged, held_back;
     for (const auto& performer : stats.performers()) {
       std::string notes;
@@ -369,7 +376,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       std::to_string(performer.over_budget()),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
-                      performer.has_turned_deg() ? Fixed(performer.turned_deg(), 1) : "-", notes});
+                      performer.has_moved() ? Fixed(Most_cm(performer.moved()), 1) : "-", notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows) + merged + held_back + warnings;
@@ -497,6 +504,8 @@ json StatusJson(const v1::StatusReply& status) {
     if (performer.has_turned_deg()) {  // while a pose is styled
       row["turned_deg"] = Rounded(static_cast<double>(performer.turned_deg()), 2);
       row["shown"] = ShownJson(performer.shown());
+      row["moved_cm"] = MovedJson(performer.moved());
+      row["hardly_styled"] = performer.hardly_styled();
     }
     if (performer.has_neutral()) row["neutral"] = NeutralJson(performer.neutral());
     row.update(LookJson(performer.look()));

@@ -15,6 +15,9 @@ namespace {
 // Quick, because frames are late meanwhile; and slower back, where nothing presses.
 constexpr float kReliefFade_s = 0.1F;
 constexpr float kReturnFade_s = 0.5F;
+// Of so many poses one is measured: what a style does hardly changes meanwhile, and two bodies less
+// are computed in most frames.
+constexpr int kMeasuredOf = 4;
 
 }  // namespace
 
@@ -84,7 +87,12 @@ void Styling::Finish(std::uint32_t extra_flags) noexcept {
     shown_.sum[limb] += out_.limb_weights[limb];
   }
   shown_.turned_rad += out_.turned_rad;
-  ++shown_.poses;
+  if (shown_.poses++ % kMeasuredOf != 0) return;
+  const stylist::Moved moved_m = stylist::MovedBy(out_.canonical_input, out_.canonical);
+  for (std::size_t limb = 0; limb < moved_m.size(); ++limb) {
+    shown_.moved_m[limb] += moved_m[limb];
+  }
+  ++shown_.measured;
 }
 
 void Styling::Sample() noexcept { shown_last_ = std::exchange(shown_, {}); }
@@ -111,6 +119,15 @@ void Styling::Describe(v1::PerformerStats& stats) const {
   shown.set_right_leg(mean(stylist::Limb::kRightLeg));
   stats.set_turned_deg(shown_last_.turned_rad / static_cast<float>(shown_last_.poses) * 180 /
                        std::numbers::pi_v<float>);
+  stylist::Moved moved_m = shown_last_.moved_m;
+  for (float& of_limb : moved_m) of_limb /= static_cast<float>(shown_last_.measured);
+  v1::MovedLimbs& moved = *stats.mutable_moved();
+  moved.set_head(100 * moved_m[0]);
+  moved.set_hands(100 * moved_m[1]);
+  moved.set_elbows(100 * moved_m[2]);
+  moved.set_knees(100 * moved_m[3]);
+  moved.set_feet(100 * moved_m[4]);
+  stats.set_hardly_styled(stylist::AsksForMuch(settings_) && stylist::IsUnseen(moved_m));
 }
 
 void Styling::CountFlags(std::uint32_t flags) noexcept {

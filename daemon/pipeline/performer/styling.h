@@ -12,6 +12,7 @@
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/stylist/stylist.h"
+#include "model/stylist/visible.h"
 #include "proto/styled/look.h"
 #include "proto/styled/v1/stats.pb.h"
 
@@ -55,7 +56,7 @@ class Styling {
 
   // Ends the second of which Describe tells.
   void Sample() noexcept;
-  // Fills `neutral`, and `shown` and `turned_deg`, unless no pose of that second was styled.
+  // Fills `neutral`, and what tells of the style, unless no pose of that second was styled.
   void Describe(v1::PerformerStats& stats) const;
 
   stylist::Stylist& stylist() { return stylist_; }
@@ -67,11 +68,13 @@ class Styling {
   const rig::Vec3& rig_root() const { return rig_root_; }  // of out().rig, in the rig's units
 
  private:
-  // A sum over poses, by limb, and their number.
+  // Sums over poses, by limb, and their numbers.
   struct Shown {
     stylist::PerLimb sum{};
     float turned_rad = 0;
     int poses = 0;
+    stylist::Moved moved_m{};
+    int measured = 0;  // poses of moved_m
   };
   void CountFlags(std::uint32_t flags) noexcept;
 

@@ -420,16 +420,19 @@ TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
         &v1::LimbShares::set_left_leg, &v1::LimbShares::set_right_leg}) {
     (anna.mutable_shown()->*set)(1);
   }
-  EXPECT_TRUE(shows("8.3"));
+  anna.mutable_moved()->set_knees(2.26F);
+  anna.mutable_moved()->set_head(1);
+  EXPECT_TRUE(shows("2.3"));
   EXPECT_FALSE(shows("shows of the style"));
   anna.mutable_shown()->set_left_arm(0.24F);
   anna.mutable_shown()->set_trunk(0.6F);
   EXPECT_TRUE(shows("rig.anna shows of the style: left arm 24 %, trunk 60 %\n"));
   EXPECT_EQ(StatusJson(status)["performers"][0]["shown"]["left_arm"], 0.24);
-  anna.set_turned_deg(0.1F);
+  EXPECT_EQ(StatusJson(status)["performers"][0]["moved_cm"]["knees"], 2.3);
+  anna.set_hardly_styled(true);
   EXPECT_TRUE(shows("rig.anna is hardly styled now: the weights leave what they do as it is\n"));
-  anna.mutable_look()->set_strength(0.1F);
-  EXPECT_FALSE(shows("hardly")) << "not much was asked for";
+  anna.set_live(false);
+  EXPECT_FALSE(shows("hardly")) << "they are gone";
 }
 
 TEST_F(StylectlTest, WhoIsAbsentAndAStyleWithoutStrengthAreTold) {

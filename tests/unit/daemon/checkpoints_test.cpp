@@ -227,8 +227,8 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
   both(30, 50);
   const v1::Checkpoint good = second->Take().checkpoint();
   const std::vector<std::pair<std::string, std::function<void(v1::Checkpoint&)>>> bad{
-      {"version 0, expected 2", [](v1::Checkpoint& c) { c.Clear(); }},
-      {"version 1, expected 2", [](v1::Checkpoint& c) { c.set_version(1); }},
+      {"version 0, expected 3", [](v1::Checkpoint& c) { c.Clear(); }},
+      {"version 2, expected 3", [](v1::Checkpoint& c) { c.set_version(2); }},
       {"weights random.safetensors", [](v1::Checkpoint& c) { c.set_weights_crc(1); }},
       {"styles", [](v1::Checkpoint& c) { c.add_styles("pirate"); }},
       {"[[output]]", [](v1::Checkpoint& c) { c.add_outputs("hero"); }},

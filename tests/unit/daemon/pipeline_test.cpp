@@ -262,6 +262,9 @@ TEST_F(PipelineTest, StatusTellsHowMuchOfTheStyleIsShown) {
   EXPECT_GT(styled.turned_deg(), 0);
   EXPECT_LT(styled.turned_deg(), 180);
   EXPECT_LE(styled.shown().trunk(), 1);
+  EXPECT_GT(styled.moved().hands(), 0);
+  EXPECT_LT(styled.moved().hands(), 1.5F) << "a random network's style";
+  EXPECT_TRUE(styled.hardly_styled());
 }
 
 TEST_F(PipelineTest, AStyleThatIsGoneIsAWarningUntilAnotherIsChosen) {

@@ -45,6 +45,8 @@ TEST(NatsBridge, KeepsOfAPerformerWhatLasts) {
   later.set_refused_as("pipeline.duplicate");
   later.mutable_shown()->set_trunk(1);
   later.set_turned_deg(8);
+  later.mutable_moved()->set_head(3);
+  later.set_hardly_styled(true);
   EXPECT_EQ(Lasting(later).SerializeAsString(), first.SerializeAsString());
   later.mutable_look()->set_strength(1);
   EXPECT_NE(Lasting(later).SerializeAsString(), first.SerializeAsString());

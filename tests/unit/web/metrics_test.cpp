@@ -35,6 +35,8 @@ v1::Stats Example() {
     performer.mutable_look()->add_mix()->set_style("odd\"style\\");
   }
   stats.mutable_performers(0)->set_turned_deg(8.25F);
+  stats.mutable_performers(0)->mutable_moved()->set_hands(1.25F);
+  stats.mutable_performers(0)->set_hardly_styled(true);
   v1::ClockState& clock = *stats.mutable_clock();
   clock.set_locked(true);
   clock.set_max_error_s(0.25);
@@ -87,6 +89,10 @@ TEST(MetricsTest, EveryLineIsWhatPrometheusReads) {
   EXPECT_EQ(values["styled_performer_overload_bypass{performer=\"rig.b\"}"], "0");
   EXPECT_EQ(values["styled_performer_shown_ratio{performer=\"rig.a\",limb=\"right-arm\"}"], "0.25");
   EXPECT_EQ(values["styled_performer_turned_degrees{performer=\"rig.a\"}"], "8.25");
+  EXPECT_EQ(values["styled_performer_moved_centimetres{performer=\"rig.a\",limb=\"hands\"}"],
+            "1.25");
+  EXPECT_EQ(values["styled_performer_hardly_styled{performer=\"rig.a\"}"], "1");
+  EXPECT_FALSE(values.contains("styled_performer_hardly_styled{performer=\"rig.b\"}"));
   EXPECT_EQ(values["styled_clock_locked"], "1");
   EXPECT_EQ(values["styled_clock_max_error_seconds"], "0.25");
   EXPECT_EQ(values["styled_ptp_offset_seconds"], "-0.5");

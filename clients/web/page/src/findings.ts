@@ -1,6 +1,6 @@
 // What the daemon's statistics say about a rig that is silent: what `stylectl doctor` looks at first.
 // Pure; pinned by test/findings.test.mjs.
-import { BodyPart, type PerformerStats, type Stats } from 'styled-client';
+import { type PerformerStats, type Stats } from 'styled-client';
 
 const MOST = 3; // sources
 const OF_SOURCES = /^(source|pipeline)\./; // counters that datagrams of sources move
@@ -69,20 +69,6 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
   sentences.sort((a, b) => a.rank - b.rank);
   const more = sentences.length - MOST;
   return [...sentences.slice(0, MOST).map(({ text }) => text), ...(more > 0 ? [`${more} more ${more === 1 ? 'source' : 'sources'}: stylectl status.`] : [])];
-}
-
-const HARDLY_DEG = 0.5; // less is not seen
-const MUCH = 0.5; // of a style
-
-/**
- * Whether a style is set for the whole body, and turns its joints too little to be seen. `neutral` tells whether a
- * style is the neutral one.
- */
-export function hardlyStyled({ live, look, turnedDeg }: PerformerStats, neutral: (style: string) => boolean): boolean {
-  if (!live || !look || turnedDeg === undefined || turnedDeg >= HARDLY_DEG) return false;
-  if (!look.parts.every((part) => part === BodyPart.ALL)) return false;
-  const weights = look.mix.filter(({ style }) => !neutral(style)).map(({ weight }) => Math.max(0, weight));
-  return weights.reduce((sum, weight) => sum + weight, 0) * (look.strength ?? 1) >= MUCH;
 }
 
 const KNOWN = 0.8; // of a performer's neutral: two seconds of it

@@ -4,7 +4,7 @@ import type { PerformerStats } from 'styled-client';
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
 import { h, setText } from './dom.js';
-import { hardlyStyled, neutralWords } from './findings.js';
+import { neutralWords } from './findings.js';
 import { keep, keptFile, lastWorn, noteWorn } from './kept.js';
 import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
@@ -17,7 +17,7 @@ function list(app: App): HTMLElement {
   const hardly = new Map<string, number>();
   app.client.on('stats', ({ performers }) => {
     for (const entry of performers) {
-      const now = hardlyStyled(entry, (style) => app.info(style)?.neutral ?? false);
+      const now = entry.live && entry.hardlyStyled;
       hardly.set(entry.performer, now ? (hardly.get(entry.performer) ?? 0) + 1 : 0);
     }
     app.changed();
@@ -47,7 +47,7 @@ function list(app: App): HTMLElement {
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : '') + neutralWords(entry));
       layers(parts, entry);
-      const nothing = hardlyStyled(entry, (style) => app.info(style)?.neutral ?? false) && (hardly.get(entry.performer) ?? 0) >= 2;
+      const nothing = entry.live && entry.hardlyStyled && (hardly.get(entry.performer) ?? 0) >= 2;
       setText(wrong, app.client.daemonState.up ? [entry.warning, nothing ? 'hardly styled now' : ''].filter((text) => text).join('; ') : '');
       wrong.hidden = wrong.textContent === '';
     }

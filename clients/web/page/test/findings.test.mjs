@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { PerformerStatsSchema, StatsSchema } from 'styled-client';
 
-import { findings, hardlyStyled, neutralWords } from './dist/findings.js';
+import { findings, neutralWords } from './dist/findings.js';
 
 const stats = (sources, counters = {}, epoch = 1n) =>
   create(StatsSchema, {
@@ -77,22 +77,6 @@ test('of many sources those that speak come first', () => {
   const found = findings(stats({ ...names, d: 12 }), stats(names));
   assert.deepEqual(found.map((text) => text.split(' ')[0]), ['d', 'b', 'a', '2']);
   assert.match(found.at(-1), /^2 more sources/);
-});
-
-test('a style that turns next to nothing is hardly styled, unless little of it is asked for', () => {
-  const one = (look, fields = {}) => hardlyStyled(create(PerformerStatsSchema, {
-    live: true, turnedDeg: 0.2, look: { mix: [{ style: 'angry', weight: 1 }], strength: 1, parts: [0], ...look }, ...fields }), (style) => style === 'neutral');
-  assert.ok(one({}));
-  assert.ok(one({ parts: [] }));
-  assert.ok(one({ mix: [{ style: 'angry', weight: 0.5 }, { style: 'elderly', weight: 0.25 }], strength: 0.75 }));
-  assert.ok(!one({ mix: [{ style: 'angry', weight: 0.5 }], strength: 0.75 }), 'little');
-  assert.ok(!one({ strength: 0 }));
-  assert.ok(!one({ mix: [] }), 'bypass');
-  assert.ok(!one({ mix: [{ style: 'neutral', weight: 1 }] }), 'neutral is no style');
-  assert.ok(!one({ parts: [1] }), 'of the head alone');
-  assert.ok(!one({}, { turnedDeg: 0.5 }));
-  assert.ok(!one({}, { turnedDeg: undefined }), 'no pose is styled');
-  assert.ok(!one({}, { live: false }));
 });
 
 test('while a style is shown, how well its performer is known', () => {
