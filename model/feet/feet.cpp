@@ -40,6 +40,17 @@ float Push(float floor_m, float performer_m, float height_m) {
   return SoftExcess(support - height_m, cushion);
 }
 
+// The turn of a knee that is bent by `bend_rad`, so that it does not go beyond straight, or farther
+// beyond than it is. A turn that bends it is kept.
+float KeptForwards(float bend_rad, float turn_rad) {
+  const float farthest_rad = std::min(0.0F, bend_rad);
+  const auto lacks = [](float above_rad) {
+    return SoftPositive(above_rad, tuning::kKneeCorner_rad) - above_rad;
+  };
+  const float now_rad = bend_rad - farthest_rad;
+  return turn_rad + std::max(0.0F, lacks(now_rad + turn_rad) - lacks(now_rad));
+}
+
 }  // namespace
 
 Feet::Feet(const rig::Binding& input, const rig::Binding& output, const Options& options)
@@ -56,6 +67,8 @@ void Feet::Reset() noexcept {
   level_frames_ = 0;
   drop_m_.Reset();
   last_across_.setZero();
+  own_own_ = own_styled_ = tuning::kFitBegin_m2_s2;
+  low_m_ = 0;
 }
 
 void Feet::Process(float dt_s, float weight, const PoseView& input, const MutablePoseView& styled,
@@ -70,18 +83,21 @@ void Feet::Process(float dt_s, float weight, const PoseView& input, const Mutabl
     level_frames_ = 0;
     drop_m_.Reset();
     last_across_.setZero();
+    own_own_ = own_styled_ = tuning::kFitBegin_m2_s2;
+    low_m_ = 0;
     return;
   }
   TurnWithPerformer();
-  // 2 The target of each foot: heights, then the lock.
+  // 2 The target of each foot: the length of steps, heights, then the lock.
   legs_.Place(styled, out_);
+  FitSteps(dt_s, travel);
   for (int side = 0; side < kLegs; ++side) {
     if (Resolved(side)) PlaceFoot(side, dt_s, weight, travel);
   }
   // 3 The hips' height, from the legs that stand. 4 The legs' IK.
   MoveHips(dt_s, styled);
   for (int side = 0; side < kLegs; ++side) {
-    if (Resolved(side)) Reach(side, styled);
+    if (Resolved(side)) Reach(side, dt_s, styled);
   }
 }
 
@@ -103,6 +119,38 @@ void Feet::TurnWithPerformer() noexcept {
     }
   }
   last_across_ = now;
+}
+
+// A style's step is longer or shorter than the performer's while its body goes as far: a foot that
+// stands would slide. So its place along the way is scaled, about the hips, by the ratio of the
+// speeds at which the feet that stand go back under them.
+void Feet::FitSteps(float dt_s, const Travel& travel) noexcept {
+  const auto ankle_m = [](const Legs& legs, const std::vector<Placed>& placed, int side) -> Vec3 {
+    return placed[static_cast<std::size_t>(legs.leg(side).foot)].position_m -
+           placed[static_cast<std::size_t>(legs.hips())].position_m;
+  };
+  for (int side = 0; side < kLegs; ++side) {
+    if (!Resolved(side)) continue;
+    Leg& state = state_[static_cast<std::size_t>(side)];
+    const Contacts::Foot& contact = contacts_.foot(side);
+    const Vec3 own_m = ankle_m(in_legs_, in_, side), styled_m = ankle_m(legs_, out_, side);
+    if (state.frames > 0 && dt_s > 0) {
+      const float own_mps = travel.along.dot(own_m - state.last_own_m) / dt_s;
+      const float styled_mps = travel.along.dot(styled_m - state.last_styled_m) / dt_s;
+      const float stands = std::max(contact.heel, contact.toes) * travel.along.norm();
+      const float share = stands * DecayShare(dt_s, tuning::kFit_s);
+      own_own_ += share * (own_mps * own_mps - own_own_);
+      own_styled_ += share * (own_mps * styled_mps - own_styled_);
+    }
+    state.last_own_m = own_m;
+    state.last_styled_m = styled_m;
+    const float fits =
+        (1 + travel.longer) * own_own_ / std::max(own_styled_, tuning::kFitLeast * own_own_);
+    const float longer =
+        std::exp(tuning::kFitBound * std::tanh(std::log(fits) / tuning::kFitBound));
+    state.longer = longer;
+    state.fit_m = (longer - 1) * travel.along.dot(styled_m) * travel.along;
+  }
 }
 
 Feet::Sole Feet::InputFoot(int side) const noexcept {
@@ -170,15 +218,15 @@ void Feet::PlaceFoot(int side, float dt_s, float weight, const Travel& travel) n
   state.pitch = Quat::Identity();
   if (has_toes) state.pitch = Pitch(foot, ankle.rotation * leg.across_foot, lift_toes - lift_heel);
   const Vec3 pitched_heel = toes - state.pitch * foot;
-  Lock(side, dt_s, input, toes, pitched_heel, travel);
-  state.ankle_m = pitched_heel + weight * state.offset_m;
+  Lock(side, dt_s, input, toes + state.fit_m, pitched_heel + state.fit_m, travel);
+  state.ankle_m = pitched_heel + weight * (state.fit_m + state.offset_m);
   state.ankle_m.y() += lift_toes;
 
-  MeasureLeg(side, dt_s, weight * std::max(c_toes, c_heel));
+  MeasureLeg(side, weight * std::max(c_toes, c_heel));
 }
 
 // What the leg asks of the hips.
-void Feet::MeasureLeg(int side, float dt_s, float carries) noexcept {
+void Feet::MeasureLeg(int side, float carries) noexcept {
   const Legs::Leg& leg = legs_.leg(side);
   Leg& state = state_[static_cast<std::size_t>(side)];
   const auto at = [this](int joint) -> const Vec3& {
@@ -188,14 +236,9 @@ void Feet::MeasureLeg(int side, float dt_s, float carries) noexcept {
   const Vec3& knee = at(leg.lower);
   const Vec3& ankle = at(leg.foot);
   const float length = (knee - hip).norm() + (ankle - knee).norm();
-  const float moved = (state.ankle_m - ankle).norm() / tuning::kNear_m;
-  // Smoothed over time, too: an offset that returns quickly would snap the knee straight.
-  const float far = state.moved.Follow(1 - std::exp(-moved * moved), dt_s, tuning::kStraighten_s);
-  state.as_styled = 1 - (1 - tuning::kAsStyled) * far;
-  // A leg may be as long as it is styled, in part if its foot is moved; else `stretch` limits it.
+  // A leg may be as long as it is styled, else `stretch` limits it.
   const float own = (ankle - hip).norm();
-  const float least = options_.stretch * length;
-  const float reach = least + state.as_styled * std::max(0.0F, own - least);
+  const float reach = std::max(own, options_.stretch * length);
   const float across2 = Flat(state.ankle_m - hip).squaredNorm();
   const auto above_m = [across2](float apart) {  // of a hip so far away from the ankle's target
     return std::sqrt(std::max(apart * apart - across2, 1e-4F));
@@ -232,13 +275,20 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const
     Vec3 wish = options_.centre * (state.centre_m - change);
     wish *= std::min(1.0F, reach_m / std::max(wish.norm(), 1e-6F));
 
-    const float heel_hold = (1 - state.yields) * input.heel;
-    const float toe_hold = (1 - state.yields) * input.toes;
+    const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));
+    const Vec3 heel_step = Flat((in_heel - state.last_in_heel_m) - (heel - state.last_heel_m));
+    // A style sets its feet down, and takes them up, at other moments. A foot that it swings is
+    // not held, or it would be torn off the floor where it is let go.
+    const auto stands = [dt_s](CriticallyDamped& filter, const Vec3& step) {
+      const float swings =
+          SmoothStep(step.norm() / dt_s, tuning::kStandsBelow_mps, tuning::kSwingsAbove_mps);
+      return filter.Follow(1 - swings, dt_s, tuning::kStands_s);
+    };
+    const float heel_hold = (1 - state.yields) * input.heel * stands(state.heel_stands, heel_step);
+    const float toe_hold = (1 - state.yields) * input.toes * stands(state.toes_stand, toe_step);
     // Either end holds the foot; `by_toes` is the share of the toes.
     const float hold = 1 - (1 - toe_hold) * (1 - heel_hold);
     const float by_toes = hold > 0 ? toe_hold / hold : 1.0F;
-    const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));
-    const Vec3 heel_step = Flat((in_heel - state.last_in_heel_m) - (heel - state.last_heel_m));
     Vec3 step = hold * (by_toes * toe_step + (1 - by_toes) * heel_step);
     // Near the longest reach the lock yields: the part of the step that points outwards is dropped.
     const float far = state.offset_m.norm();
@@ -266,8 +316,14 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const
 void Feet::MoveHips(float dt_s, const MutablePoseView& styled) noexcept {
   const Leg& left = state_[0];
   const Leg& right = state_[1];
-  const float rise_m = (left.carries * left.rise_m + right.carries * right.rise_m) /
-                       std::max(1.0F, left.carries + right.carries);
+  float rise_m = (left.carries * left.rise_m + right.carries * right.rise_m) /
+                 std::max(1.0F, left.carries + right.carries);
+  // A step that is made longer would draw the hips down where both feet stand and up between, onto
+  // straight legs. They stay low, and the knees bent, as the style has them.
+  const float low_s = rise_m < low_m_ ? tuning::kLowFall_s : tuning::kLowRise_s;
+  low_m_ += DecayShare(dt_s, low_s) * (rise_m - low_m_);
+  const float longer = std::max(left.longer, right.longer) - 1;
+  rise_m += std::clamp(longer / tuning::kLowLonger, 0.0F, 1.0F) * std::min(0.0F, low_m_ - rise_m);
   if (level_frames_ == 1 && dt_s > 0) {  // the session may begin in mid-stride
     const float speed = (rise_m - level_m_.value()) / dt_s;
     level_m_.Start(level_m_.value(),
@@ -291,17 +347,16 @@ void Feet::MoveHips(float dt_s, const MutablePoseView& styled) noexcept {
   for (std::size_t i = hips; i < out_.size(); ++i) out_[i].position_m += up;
 }
 
-void Feet::Reach(int side, const MutablePoseView& styled) noexcept {
+void Feet::Reach(int side, float dt_s, const MutablePoseView& styled) noexcept {
   const Legs::Leg& leg = legs_.leg(side);
-  const Leg& state = state_[static_cast<std::size_t>(side)];
+  Leg& state = state_[static_cast<std::size_t>(side)];
   const auto at = [this](int joint) -> const Placed& {
     return out_[static_cast<std::size_t>(joint)];
   };
   const Placed& upper = at(leg.upper);
   const TwoBones limb{upper.position_m, at(leg.lower).position_m, at(leg.foot).position_m,
                       upper.rotation * leg.hinge_in_upper};
-  // A moved foot never stretches the leg; a foot that stays where the style has it leaves the leg
-  // unchanged.
+  // A foot that stays where the style has it leaves the leg unchanged.
   const float length = (limb.knee - limb.hip).norm() + (limb.ankle - limb.knee).norm();
   const float corner = tuning::kStraightCorner * length;
   const float now = (limb.ankle - limb.hip).norm();
@@ -310,8 +365,13 @@ void Feet::Reach(int side, const MutablePoseView& styled) noexcept {
   const float wanted = std::max(wish.norm(), 1e-6F);
   const float soft = SoftReach(wanted, length, corner);
   const float room = std::min(1.0F, (length - soft) / (length - now_soft));
-  const float reach = soft + state.as_styled * room * (now - now_soft);
-  const TwoBoneTurns turns = ReachFor(limb, limb.hip + (reach / wanted) * wish);
+  const float reach = soft + room * (now - now_soft);
+  // Near straight a knee turns far for a little reach. Its turn is smoothed, which there costs next
+  // to no reach.
+  const KneeTurn knee = KneeFor(limb, reach);
+  const float turn_rad =
+      KeptForwards(knee.bend_rad, state.knee.Follow(knee.turn_rad, dt_s, tuning::kKnee_s));
+  const TwoBoneTurns turns = Turn(limb, knee.axis, turn_rad, limb.hip + (reach / wanted) * wish);
 
   const auto set = [&](int joint, const Quat& parent_world, const Quat& world) {
     Quat& local =

@@ -13,8 +13,9 @@
 
 namespace styled::feet {
 
-// Step 6 of the stylist, for one output skeleton. While the performer's own foot is on the floor,
-// the published foot moves over the floor as the performer's does; without this stage a style, or
+// Step 6 of the stylist, for one output skeleton. The style's step is scaled to the way that the
+// body goes. While the performer's own foot is on the floor, and the style does not swing it, the
+// published foot moves over the floor as the performer's does; without this stage a style, or
 // another skeleton's proportions, would let it slide. During contact the foot keeps the performer's
 // height, and it never sinks below the floor. The hips are moved to the height at which the legs
 // that stand keep the knees' styled angles, above the performer's own if need be. The legs follow
@@ -47,7 +48,7 @@ class Feet {
   const Contacts& contacts() const { return contacts_; }
   // See model/base/checkpoint.h.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
-    c(contacts_, state_, level_m_, drop_m_, last_across_);
+    c(contacts_, state_, level_m_, drop_m_, last_across_, own_own_, own_styled_, low_m_);
     c.Within(level_frames_, 0, 2);
   }
 
@@ -58,20 +59,24 @@ class Feet {
     Vec3 offset_m = Vec3::Zero();  // horizontal: the published foot less the styled one
     // Horizontal, world axes: the gait's mean of the styled foot less the input's.
     Vec3 centre_m = Vec3::Zero();
-    CriticallyDamped lift_toes, lift_heel, moved;
+    Vec3 last_own_m = Vec3::Zero(), last_styled_m = Vec3::Zero();  // the ankle less the hips
+    CriticallyDamped lift_toes, lift_heel;
+    CriticallyDamped toes_stand, heel_stands;  // 0 .. 1: the style has it on the floor, too
+    CriticallyDamped knee;                     // its turn by the inverse kinematics, rad
 
-    float yields = 0;               // this frame: 1 if the styled foot is too high to hold
+    float longer = 1;           // this frame: the scale of the step
+    Vec3 fit_m = Vec3::Zero();  // this frame: horizontal, what makes the step as long as the way
+    float yields = 0;           // this frame: 1 if the styled foot is too high to hold
     Quat pitch = Quat::Identity();  // this frame: the foot's rotation, world
     Vec3 ankle_m;                   // the ankle's target
-    float as_styled = 1;            // the share of the styled straightness that the leg may keep
     float carries = 0;              // 0 .. 1: the foot is planted, and held
     float rise_m = 0;               // of the hips, for the leg to keep its styled length
     float beyond_m = 0;             // how far the hips are above the leg's reach
 
     STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
       c.Within(frames, 0, 2);
-      c(last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m, offset_m, centre_m, lift_toes,
-        lift_heel, moved);
+      c(last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m, offset_m, centre_m, last_own_m,
+        last_styled_m, lift_toes, lift_heel, toes_stand, heel_stands, knee);
     }
   };
   // The performer's own foot, with heel and toes at the heights that the output's have above a
@@ -83,19 +88,24 @@ class Feet {
   Sole InputFoot(int side) const noexcept;
   bool Resolved(int side) const { return in_legs_.leg(side).resolved && legs_.leg(side).resolved; }
   void TurnWithPerformer() noexcept;
+  void FitSteps(float dt_s, const Travel& travel) noexcept;
   void PlaceFoot(int side, float dt_s, float weight, const Travel& travel) noexcept;
   void Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const Vec3& heel,
             const Travel& travel) noexcept;
-  void MeasureLeg(int side, float dt_s, float carries) noexcept;
+  void MeasureLeg(int side, float carries) noexcept;
   void MoveHips(float dt_s, const MutablePoseView& styled) noexcept;
-  void Reach(int side, const MutablePoseView& styled) noexcept;
+  void Reach(int side, float dt_s, const MutablePoseView& styled) noexcept;
 
   Legs in_legs_, legs_;
   Options options_;
   Contacts contacts_;
   std::array<Leg, kLegs> state_;
   CriticallyDamped level_m_, drop_m_;
-  int level_frames_ = 0;             // of level_m_, as Leg::frames
+  float low_m_ = 0;       // how low the legs that stood have had the hips of late
+  int level_frames_ = 0;  // of level_m_, as Leg::frames
+  // Means over the time in which feet stand: of the square of the speed at which the performer's
+  // foot goes back under the hips, and of its product with that of the styled foot, m^2/s^2.
+  float own_own_ = tuning::kFitBegin_m2_s2, own_styled_ = tuning::kFitBegin_m2_s2;
   Vec3 last_across_ = Vec3::Zero();  // the input's right hip to left hip, horizontal, unit
   std::vector<Placed> in_, out_;
 };

@@ -39,22 +39,17 @@ float Flexion(float wanted, float over) {
 
 }  // namespace
 
-TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
-  TwoBoneTurns turns;
+KneeTurn KneeFor(const TwoBones& limb, float distance) noexcept {
+  KneeTurn knee;
   const Vec3 thigh = limb.knee - limb.hip;
   const Vec3 shank = limb.ankle - limb.knee;
-  const Vec3 wish = target - limb.hip;
   const float a = thigh.norm();
   const float b = shank.norm();
-  const float wanted = wish.norm();
-  if (a < kTiny || b < kTiny || wanted < kTiny) {
-    turns.missed = (target - limb.ankle).norm();
-    return turns;
-  }
+  if (a < kTiny || b < kTiny) return knee;
   const float now = (limb.ankle - limb.hip).norm();
   const float farthest = std::max(tuning::kOutermost * (a + b), now);
   const float nearest = std::min(std::abs(a - b) + 1e-3F * (a + b), now);
-  const float distance = std::clamp(wanted, nearest, farthest);
+  distance = std::clamp(distance, nearest, farthest);
 
   // Turning the shank by x about the unit axis n gives
   //
@@ -62,28 +57,43 @@ TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
   //
   // A = (thigh.n)(n.shank), B = thigh.shank - A, C = thigh.(n x shank). With B = R cos(s), C = R
   // sin(s) it is solved by x = s +- acos(((|ankle - hip|^2 - a^2 - b^2) / 2 - A) / R).
-  Vec3 bent = shank;
+  const Vec3 n = BendAxis(limb, thigh, shank);
+  const float along = thigh.dot(n) * n.dot(shank);
+  const float cosine = thigh.dot(shank) - along;
+  const float sine = thigh.dot(n.cross(shank));
+  const float amplitude = std::hypot(cosine, sine);
+  const auto flexion = [&](float apart) {  // from straight, about n
+    const float level = 0.5F * (apart * apart - a * a - b * b) - along;
+    return std::acos(std::clamp(level / std::max(amplitude, kTiny), -1.0F, 1.0F));
+  };
+  knee.axis = n;
+  knee.bend_rad = -std::atan2(sine, cosine);
   if (std::abs(distance - now) > kTiny * (a + b)) {
-    const Vec3 n = BendAxis(limb, thigh, shank);
-    const float along = thigh.dot(n) * n.dot(shank);
-    const float cosine = thigh.dot(shank) - along;
-    const float sine = thigh.dot(n.cross(shank));
-    const float amplitude = std::hypot(cosine, sine);
-    const auto flexion = [&](float apart) {  // from straight, about n
-      const float level = 0.5F * (apart * apart - a * a - b * b) - along;
-      return std::acos(std::clamp(level / std::max(amplitude, kTiny), -1.0F, 1.0F));
-    };
-    // bend: the knee's flexion now, measured from straight about n; negative: beyond straight.
-    const float bend = -std::atan2(sine, cosine);
-    const float turn = Flexion(flexion(distance), std::max(0.0F, -bend)) - bend;
-    turns.lower = Quat(Eigen::AngleAxisf(turn, n));
-    bent = turns.lower * shank;
+    knee.turn_rad = Flexion(flexion(distance), std::max(0.0F, -knee.bend_rad)) - knee.bend_rad;
   }
-  const Vec3 reached = thigh + bent;
+  return knee;
+}
+
+TwoBoneTurns Turn(const TwoBones& limb, const Vec3& axis, float turn_rad,
+                  const Vec3& target) noexcept {
+  TwoBoneTurns turns;
+  const Vec3 wish = target - limb.hip;
+  const float wanted = wish.norm();
+  if (wanted < kTiny) {
+    turns.missed = (target - limb.ankle).norm();
+    return turns;
+  }
+  if (turn_rad != 0) turns.lower = Quat(Eigen::AngleAxisf(turn_rad, axis));
+  const Vec3 reached = limb.knee - limb.hip + turns.lower * (limb.ankle - limb.knee);
   turns.missed = std::abs(wanted - reached.norm());
   // Not body::ShortestTurn: only inlined does it round as in every output so far.
   if (reached.norm() > kTiny) turns.upper = Quat::FromTwoVectors(reached, wish).normalized();
   return turns;
+}
+
+TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept {
+  const KneeTurn knee = KneeFor(limb, (target - limb.hip).norm());
+  return Turn(limb, knee.axis, knee.turn_rad, target);
 }
 
 float SoftReach(float wanted, float length, float corner) noexcept {
