@@ -90,9 +90,9 @@ inline constexpr float kTiltEnd_rad = 1.3F;
 // another rig's walk; legs by 0.03 (0.06), 0.1 to 0.3, 0.05 (0.14). v2 is off by more in waves, and
 // leaves acts that no style was recorded in as they are: with arms at 0.10 to 0.22 a wave with both
 // hands shows 0.89 of its style in the right arm, at 0.14 to 0.28 more than 0.95, and set 1's acts
-// are off by 11.8 degrees at worst. v1, legs 0.14 to 0.28: kicks 0.90. v2, legs 0.12 to 0.26 and 0.3 to
-// 0.6, in which its file has them: ten walks of ACCAD's two strangers show 0.78 and 0.98 of a style in
-// the legs, three runs 0.43 and 0.80; eleven of their kicks are as high, 1.00 and 1.00.
+// are off by 11.8 degrees at worst. v1, legs 0.14 to 0.28: kicks 0.90. v2, legs 0.12 to 0.26 and
+// 0.3 to 0.6, in which its file has them: ten walks of ACCAD's two strangers show 0.78 and 0.98 of
+// a style in the legs, three runs 0.43 and 0.80; eleven of their kicks are as high, 1.00 and 1.00.
 
 // The most that the trunk loses where an arm loses all of its style. At 0 a bent back turned a
 // slash by 29 degrees though its arm was the performer's own; at 0.4 by 17, at 0.5 by 14, and the
@@ -126,8 +126,8 @@ inline constexpr float kGateOpen_s = 1.0F;
 inline constexpr float kPostureMean_s = 0.5F;
 // With which it sets in, s. No measurement on record.
 inline constexpr float kPostureFade_s = 0.5F;
-// Time constant with which it ends where the body lies or crouches, s. A fall takes half a second. No
-// measurement on record.
+// Time constant with which it ends where the body lies or crouches, s. A fall takes half a second.
+// No measurement on record.
 inline constexpr float kPostureStands_s = 0.06F;
 // A network that shows this share of a posture lacks nothing. Larger: the posture is also added to
 // what the network shows well.
