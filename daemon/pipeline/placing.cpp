@@ -191,9 +191,10 @@ Places PlacesOf(const RuntimeConfig& config) {
 Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
   std::shared_ptr<const net::Stylizer> network = config.loaded;
   const net::StyleSpace* const space = network->space();
-  if (places.entries.size() > static_cast<std::size_t>(net::kMaxAdded + kSpare)) {
+  constexpr std::size_t kMost = std::size_t{net::kMaxAdded} + std::size_t{kSpare};
+  if (places.entries.size() > kMost) {
     return Malformed("places: found " + std::to_string(places.entries.size()) +
-                     ", expected at most " + std::to_string(net::kMaxAdded + kSpare));
+                     ", expected at most " + std::to_string(kMost));
   }
   if (space == nullptr && !places.entries.empty()) {
     return Malformed("places: these weights have no style encoder");
