@@ -5,6 +5,7 @@
 #include "daemon/pipeline/checkpoints.h"
 #include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/placing.h"
 #include "daemon/pipeline/style_file.h"
 #include "daemon/pipeline/style_requests.h"
 #include "model/base/text.h"
@@ -169,6 +170,9 @@ void Pipeline::RepeatBeginning(const v1::Journal& entry) {
 // Motions name styles by their place. Once every style is here they get the leader's places, and
 // everything is fetched again.
 void Pipeline::Arrange(const v1::Beginning& beginning) {
+  arrange_.reset();
+  // A message may name millions of places; no leader has so many.
+  if (static_cast<std::size_t>(beginning.places_size()) > kMostPlaces) return;
   Places theirs;
   for (const std::string& name : beginning.places()) theirs.entries.push_back({name, false});
   for (const std::uint32_t at : beginning.retired()) {
@@ -178,7 +182,6 @@ void Pipeline::Arrange(const v1::Beginning& beginning) {
   const bool all_here = std::ranges::all_of(theirs.entries, [this](const auto& entry) {
     return entry.retired || roster_.config().made.contains(entry.name);
   });
-  arrange_.reset();
   if (!all_here || theirs == PlacesOf(roster_.config())) return;
   arrange_ = std::move(theirs);
   PassOnStyles();

@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::size_t kShownName = 80;   // most bytes of a name that a reason quotes
 constexpr std::size_t kListedMade = 16;  // most names
-// Places of retired styles beyond net::kMaxAdded, in which they fade out.
-constexpr int kSpare = 64;
 
 bool Names(const v1::Look& look, const net::Styles& styles, int number) {
   const auto is = [&](const std::string& name) {
@@ -191,10 +189,9 @@ Places PlacesOf(const RuntimeConfig& config) {
 Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
   std::shared_ptr<const net::Stylizer> network = config.loaded;
   const net::StyleSpace* const space = network->space();
-  constexpr std::size_t kMost = std::size_t{net::kMaxAdded} + std::size_t{kSpare};
-  if (places.entries.size() > kMost) {
+  if (places.entries.size() > kMostPlaces) {
     return Malformed("places: found " + std::to_string(places.entries.size()) +
-                     ", expected at most " + std::to_string(kMost));
+                     ", expected at most " + std::to_string(kMostPlaces));
   }
   if (space == nullptr && !places.entries.empty()) {
     return Malformed("places: these weights have no style encoder");

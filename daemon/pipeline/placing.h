@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 #include "daemon/pipeline/made_style.h"
 #include "daemon/pipeline/refusal.h"
 #include "daemon/pipeline/runtime_config.h"
+#include "model/net/styles.h"
 
 // Styles that are made while the daemon runs, among those of a configuration's network. Any thread;
 // allocates; not the pipeline's thread. Pinned by tests/e2e/style_library_test.cpp.
@@ -35,6 +37,10 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
 // that fades over. Fills nearest and distance. Refused, with the configuration as it was: as
 // FindPlace, weights without a space of styles, and a code that does not fit them.
 Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
+
+// Places of retired styles beyond net::kMaxAdded, in which they fade out.
+inline constexpr int kSpare = 64;
+inline constexpr std::size_t kMostPlaces = std::size_t{net::kMaxAdded} + std::size_t{kSpare};
 
 // The list of styles behind those of the weights.
 struct Places {

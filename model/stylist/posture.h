@@ -16,9 +16,9 @@ namespace styled::stylist {
 // sits bowed, too. The trunk, the head and the collars are turned by the style's posture
 // (net::StyleInfo::posture), as far as the change of style over the last half second lacks it. The
 // upper arms keep their direction in the world, so that the act stays what it is. Nothing is added
-// to who lies, crouches deeply, bends far or hangs upside down. Styles without a posture have none.
-// It sets in and ends within a second; who falls loses it within a third of one. Value type, no
-// allocation; one thread at a time. Pinned by tests/unit/stylist/posture_test.cpp.
+// to a performer who lies, crouches deeply, bends far or hangs upside down. Styles without a
+// posture have none. It sets in and ends within a second, in a fall within a third of one. Value
+// type, no allocation; one thread at a time. Pinned by tests/unit/stylist/posture_test.cpp.
 class PostureKeeper {
  public:
   // Judges one frame, `dt_s` after the one before. `change`: the change of style that is applied in

@@ -202,7 +202,7 @@ TEST_F(StylistTest, AStyleOfThePerformersOwnIsTakenAway) {
   to_own.input_style = 3;
   stylist.Set(to_own);
   for (int frame = 60; frame < 240; ++frame) Feed(stylist, frame);
-  EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 1e-4F);
+  EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 1e-5F);
   Settings none;
   none.input_style = 3;
   stylist.Set(none);
