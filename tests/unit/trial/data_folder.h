@@ -8,10 +8,10 @@ namespace styled::stylist {
 // Rate at which real clips are styled.
 inline constexpr double kRate_hz = 120;
 
-// The folder of data that is no part of the repository: STYLED_DATA, or shared/data beside it.
-inline std::filesystem::path DataFolder() {
+// The folder of data that is no part of the repository: STYLED_DATA, or `otherwise`.
+inline std::filesystem::path DataFolder(const std::filesystem::path& otherwise) {
   const char* const set = std::getenv("STYLED_DATA");
-  return set != nullptr ? set : STYLED_DATA_DEFAULT;
+  return set != nullptr ? std::filesystem::path(set) : otherwise;
 }
 
 }  // namespace styled::stylist

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kFeminine = 6;
 
-std::filesystem::path Data() { return DataFolder() / "samples"; }
+std::filesystem::path Data() { return DataFolder(STYLED_DATA_DEFAULT) / "samples"; }
 
 struct LimbGateOnClips : testing::Test {
   void SetUp() override {

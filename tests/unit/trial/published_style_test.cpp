@@ -74,10 +74,11 @@ struct PublishedStyle : testing::Test {
   // The least that is left, over six styles, of what the network shows by itself: over both arms,
   // the trunk, and both legs.
   void ExpectLeft(const std::string& file, const PerLimb& pose, const PerLimb& movement) const {
-    if (!std::filesystem::exists(DataFolder() / file)) {
-      GTEST_SKIP() << "skipped, no data in " << DataFolder() << " (set STYLED_DATA)";
+    if (!std::filesystem::exists(DataFolder(STYLED_DATA_DEFAULT) / file)) {
+      GTEST_SKIP() << "skipped, no data in " << DataFolder(STYLED_DATA_DEFAULT)
+                   << " (set STYLED_DATA)";
     }
-    const auto read = clip::ReadBvh(DataFolder() / file);
+    const auto read = clip::ReadBvh(DataFolder(STYLED_DATA_DEFAULT) / file);
     ASSERT_TRUE(read.ok());
     clip::Clip clip = clip::Resample(read.value(), kRate_hz);
     const auto bound = clip::BindClip(clip);
