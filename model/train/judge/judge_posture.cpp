@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "model/net/weights_file.h"
-#include "model/train/judge/judge_carriage.h"
 #include "model/train/judge/judge_evidence.h"
+#include "model/train/mean_carriage.h"
 
 namespace styled::judge {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 using body::Pose;
 using body::Vec3;
 
-MeanCarriage MeanOf(const std::vector<Pose>& poses, MeanCarriage mean) {
+train::MeanCarriage MeanOf(const std::vector<Pose>& poses, train::MeanCarriage mean) {
   for (const Pose& own : poses) {
     Pose mirrored;
     body::Mirror(own, mirrored);
@@ -32,9 +32,10 @@ MeanCarriage MeanOf(const std::vector<Pose>& poses, MeanCarriage mean) {
 std::vector<std::optional<net::Posture>> MeasurePostures(std::span<const train::TrainingClip> clips,
                                                          std::size_t style_count) {
   // By style; then by source and content: performers differ between sources.
-  std::vector<std::map<std::pair<int, int>, MeanCarriage>> means(style_count);
+  std::vector<std::map<std::pair<int, int>, train::MeanCarriage>> means(style_count);
   for (const train::TrainingClip& clip : clips) {
-    MeanCarriage& mean = means[static_cast<std::size_t>(clip.style)][{clip.source, clip.content}];
+    train::MeanCarriage& mean =
+        means[static_cast<std::size_t>(clip.style)][{clip.source, clip.content}];
     mean = MeanOf(clip.poses, mean);
   }
   std::vector<std::optional<net::Posture>> postures(style_count);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "model/body/heading.h"
-#include "model/train/judge/judge_carriage.h"
+#include "model/train/mean_carriage.h"
 
 namespace styled::judge {
 namespace {
@@ -14,7 +14,7 @@ using body::Pose;
 using body::Quat;
 using body::WorldPose;
 
-void Add(const Pose& pose, MeanCarriage& mean) {
+void Add(const Pose& pose, train::MeanCarriage& mean) {
   WorldPose world;
   body::ForwardKinematics(pose, world);
   for (int j = 0; j < kJointCount; ++j) {
@@ -85,11 +85,11 @@ Eigen::VectorXd MeasureShift(std::span<const Pose> input, std::span<const Pose> 
 }
 
 Eigen::VectorXd RealShift(std::span<const train::TrainingClip> clips, int style, int content) {
-  MeanCarriage unstyled, styled;
+  train::MeanCarriage unstyled, styled;
   for (const train::TrainingClip& clip : clips) {
     if (clip.content != content || (clip.style != 0 && clip.style != style)) continue;
     for (Pose pose : clip.poses) {
-      MeanCarriage& mean = clip.style == 0 ? unstyled : styled;
+      train::MeanCarriage& mean = clip.style == 0 ? unstyled : styled;
       Add(pose, mean);
       body::Mirror(pose, pose);
       Add(pose, mean);

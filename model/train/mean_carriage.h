@@ -5,10 +5,10 @@
 
 #include "model/neutral/carriage.h"
 
-namespace styled::judge {
+namespace styled::train {
 
 // A weighted mean of rotations by joint, for such as are not far apart: their sum, each in the
-// nearer sign. Pinned by the tests of judge_reference.h and judge_visible.h.
+// nearer sign. Pinned by the tests of reference.h and judge_visible.h.
 class MeanCarriage {
  public:
   MeanCarriage() { sums_.fill(Eigen::Vector4d::Zero()); }
@@ -33,4 +33,4 @@ class MeanCarriage {
   std::array<double, body::kJointCount> weights_{};
 };
 
-}  // namespace styled::judge
+}  // namespace styled::train
