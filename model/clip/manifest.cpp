@@ -17,6 +17,8 @@
 namespace styled::clip {
 namespace {
 
+constexpr std::string_view kTake = "{take}";
+
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxManifestBytes = std::size_t{1} << 20;  // our longest has 20 kB
@@ -39,6 +41,7 @@ struct Rule {
   double judge_share = 0, validation_share = 0;
   double from = 0, to = 1, repeat_s = 0, skip_s = 0;
   bool floor_at_feet = false, still = true;
+  std::string person;
   std::vector<std::string> except;  // patterns of files to leave out
 };
 
@@ -75,7 +78,7 @@ class Matcher {
     if (pattern.starts_with("{content}")) {
       return Labels(contents_, pattern.substr(9), text, values, values.content);
     }
-    if (pattern.starts_with("{take}")) {
+    if (pattern.starts_with(kTake)) {
       std::size_t digits = 0;
       while (digits < text.size() && digits < 9 && text[digits] >= '0' && text[digits] <= '9') {
         ++digits;
@@ -337,11 +340,12 @@ class Loader {
   bool ReadRule(const toml::table& table, Rule& rule) {
     if (!OnlyKeys(table,
                   {"pattern", "style", "content", "rig", "split", "judge_share", "validation_share",
-                   "time", "repeat_s", "skip_s", "floor", "still", "except"}) ||
+                   "time", "repeat_s", "skip_s", "floor", "still", "person", "except"}) ||
         !String(table, "pattern", true, rule.pattern) ||
         !String(table, "style", false, rule.style) ||
         !String(table, "content", false, rule.content) || !String(table, "rig", false, rule.rig) ||
         !String(table, "split", false, rule.split) ||
+        !String(table, "person", false, rule.person) ||
         !Number(table, "repeat_s", 0, rule.repeat_s) || !Number(table, "skip_s", 0, rule.skip_s) ||
         !Time(table, rule) || !Floor(table, rule) || !Truth(table, "still", rule.still) ||
         !Strings(table, "except", false, rule.except)) {
@@ -459,10 +463,14 @@ class Loader {
           })) {
         continue;
       }
+      std::string person = rule.person;
+      if (const std::size_t take = person.find(kTake); take != std::string::npos) {
+        person.replace(take, kTake.size(), std::to_string(values->take));
+      }
       manifest_.entries.push_back({walk->path(), rule.style.empty() ? values->style : rule.style,
                                    rule.content.empty() ? values->content : rule.content, rule.rig,
                                    rule.split, values->take, rule.from, rule.to, rule.repeat_s,
-                                   rule.skip_s, rule.floor_at_feet, rule.still});
+                                   rule.skip_s, rule.floor_at_feet, rule.still, std::move(person)});
     }
     if (manifest_.entries.size() == first) {
       return Fail(at, "pattern", "no file for \"" + rule.pattern + "\" in " + data_.string(),

@@ -21,6 +21,7 @@ struct ManifestEntry {
   double skip_s = 0;           // what precedes the motion, a T-pose or a way to the first place
   bool floor_at_feet = false;  // the floor is under the lowest foot, whatever the file says
   bool still = true;           // [still] holds for this clip
+  std::string person;          // somebody else than the set's performers; empty: one of these
 };
 
 // A dataset, described by a TOML manifest:
@@ -38,6 +39,9 @@ struct ManifestEntry {
 //   skip_s = 0.5         # left out at the beginning of each file; `time` is of the rest
 //   floor = "feet"       # the file has no floor, or not at 0: it is under the lowest foot
 //   still = false        # [still] below does not hold for these
+//   person = "accad-female1" # somebody else: shown to a network as its own performers would be,
+//                        # by what all of this person's clips show of how they stand and walk;
+//                        # {take} in it: another person for each take
 //   repeat_s = 8.0       # loops (the last frame shows the first again), repeated so long
 //   except = ["*/dataset-2_run_*"]   # files that the pattern does not mean
 //   [still]              # stretches in which nothing moves faster are another content

@@ -132,6 +132,7 @@ void Check::ReadClips(const clip::Manifest& manifest) {
   for (const clip::ManifestEntry& entry : manifest.entries) {
     if (entry.file == failed) continue;
     one.entries.assign(1, entry);
+    one.entries[0].person.clear();
     const Result<std::vector<TrainingClip>> read = LoadClips(one, entry.split, parameters, 1);
     if (!read.ok()) {
       failed = entry.file.string();
@@ -142,6 +143,15 @@ void Check::ReadClips(const clip::Manifest& manifest) {
     const TrainingClip& clip = read.value().front();
     Count(clip, entry.split, plan_.styles[static_cast<std::size_t>(clip.style)]);
   }
+  if (!failed.empty()) return;
+  // Persons are known by several clips together.
+  std::erase_if(one.entries = manifest.entries, [&](const clip::ManifestEntry& entry) {
+    return entry.split != "train" || entry.style != manifest.styles[0].name;
+  });
+  const auto has_person = [](const clip::ManifestEntry& entry) { return !entry.person.empty(); };
+  if (std::ranges::none_of(one.entries, has_person)) return;
+  const Result<std::vector<TrainingClip>> read = LoadClips(one, "train", parameters, 1);
+  if (!read.ok()) Wrong(read.status().message());
 }
 
 void Check::Count(const TrainingClip& clip, const std::string& split, StylePlan& style) {

@@ -13,6 +13,7 @@
 #include "model/body/heading.h"
 #include "model/clip/clip.h"
 #include "model/rig/dialects.h"
+#include "model/train/persons.h"
 
 namespace styled::train {
 namespace {
@@ -293,12 +294,17 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     if (static_cast<int>(clip.poses.size()) < min_frames) continue;
     const bool still = entry.still && !manifest.still_content.empty();
     if (still) clip.still_content = IndexOf(manifest.contents, manifest.still_content);
-    RunFilters(parameters, still ? manifest.still_speed_mps : 0, clip);
+    clip.person = entry.person;
     clips.push_back(std::move(clip));
   }
   if (clips.empty()) {
     return Status::Error("manifest " + manifest.name + ": no clip of split \"" + split + "\" has " +
                          std::to_string(min_frames) + " frames");
+  }
+  const Status shown = TakePersonsOut(parameters.rate_hz, clips);
+  if (!shown.ok()) return Status::Error("manifest " + manifest.name + ": " + shown.message());
+  for (TrainingClip& clip : clips) {
+    RunFilters(parameters, clip.still_content < 0 ? 0 : manifest.still_speed_mps, clip);
   }
   return clips;
 }

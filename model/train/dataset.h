@@ -15,9 +15,10 @@ namespace styled::train {
 // One labelled clip as canonical poses at the network's rate.
 struct TrainingClip {
   std::string file;
-  int source = 0;   // clips of one folder share it
-  int style = 0;    // index into Manifest::styles
-  int content = 0;  // index into Manifest::contents
+  int source = 0;      // clips of one folder share it
+  int style = 0;       // index into Manifest::styles
+  int content = 0;     // index into Manifest::contents
+  std::string person;  // ManifestEntry::person
   std::vector<body::Pose> poses;
   // The heading filter's state after each frame, from the clip's first frame on.
   std::vector<float> heading_cos, heading_sin;
@@ -69,7 +70,8 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
 // until there are at least `frames`.
 std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int frames);
 
-// Reads every clip of `split` with at least `min_frames` frames at `rate_hz`. Errors name the file.
+// Reads every clip of `split` with at least `min_frames` frames at `rate_hz`, persons taken out
+// (persons.h). Errors name the file or the person.
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
                                             const erd::FeatureParameters& parameters,

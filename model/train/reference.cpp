@@ -33,7 +33,7 @@ std::optional<neutral::Reference> MeasureReference(std::span<const TrainingClip>
   neutral::Reference reference;  // its speeds tell a walk
   MeanCarriage standing, walking, running;
   for (const TrainingClip& clip : clips) {
-    if (clip.style != 0) continue;
+    if (clip.style != 0 || !clip.person.empty()) continue;
     for (std::size_t at = 0; at < clip.poses.size(); ++at) {
       for (const bool mirrored : {false, true}) {
         Pose pose = clip.poses[at];

@@ -210,10 +210,10 @@ TEST_F(ManifestTest, SaysWhatPrecedesTheMotionAndWhereTheFloorIs) {
   Touch("d/walk_old_1.bvh");
   Touch("d/turn_old_1.bvh");
   Touch("d/walk-left_old_1.bvh");
-  const Result<Manifest> result =
-      Load(kHead + Rule("except = [\"*/walk-left*\"]\n") +
-           Rule("rig = \"standing\"\nskip_s = 0.5\nfloor = \"feet\"\nstill = false\n"
-                "except = [\"*/walk_*\"]\n"));
+  const Result<Manifest> result = Load(kHead + Rule("except = [\"*/walk-left*\"]\n") +
+                                       Rule("rig = \"standing\"\nskip_s = 0.5\nfloor = "
+                                            "\"feet\"\nstill = false\nperson = \"b{take}\"\n"
+                                            "except = [\"*/walk_*\"]\n"));
   ASSERT_TRUE(result.ok()) << result.status().message();
   ASSERT_EQ(result.value().entries.size(), 2U);
   const ManifestEntry& other = result.value().entries[0];
@@ -221,10 +221,12 @@ TEST_F(ManifestTest, SaysWhatPrecedesTheMotionAndWhereTheFloorIs) {
   EXPECT_EQ(other.skip_s, 0.5);
   EXPECT_TRUE(other.floor_at_feet);
   EXPECT_FALSE(other.still);
+  EXPECT_EQ(other.person, "b1");
   const ManifestEntry& usual = result.value().entries[1];
   EXPECT_EQ(usual.skip_s, 0.0);
   EXPECT_FALSE(usual.floor_at_feet);
   EXPECT_TRUE(usual.still);
+  EXPECT_TRUE(usual.person.empty());
 }
 
 TEST_F(ManifestTest, SetsTheLastTakesOfEveryCellAsideForTheJudge) {
