@@ -1,5 +1,6 @@
 #include "model/net/strict_json.h"
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -7,6 +8,14 @@ namespace styled::net {
 namespace {
 
 constexpr int kMaxDepth = 16;
+
+// "line 3, column 7": of the byte before which the parser stopped, counted from 1.
+std::string Place(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte > 0 ? byte - 1 : 0, text.size()));
+  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const std::size_t begin = before.rfind('\n') + 1;  // npos + 1 is 0
+  return "line " + std::to_string(line) + ", column " + std::to_string(before.size() - begin + 1);
+}
 
 }  // namespace
 
@@ -36,8 +45,16 @@ std::string ParseStrictJson(std::string_view text, nlohmann::json& value) {
     }
     return true;
   };
-  value = json::parse(text, watch, /*allow_exceptions=*/false);
-  if (error.empty() && value.is_discarded()) error = "not JSON";
+  try {
+    value = json::parse(text, watch);
+  } catch (const json::parse_error& fault) {
+    value = json(json::value_t::discarded);
+    if (error.empty()) error = "not JSON: " + Place(text, fault.byte);
+  } catch (
+      const json::exception&) {  // of the library's only one is left: a number above all doubles
+    value = json(json::value_t::discarded);
+    if (error.empty()) error = "not JSON: a number out of range";
+  }
   return error;
 }
 

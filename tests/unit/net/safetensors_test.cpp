@@ -48,11 +48,11 @@ std::vector<Refused> RefusedHeaders() {
   std::string deep = R"({"a":)";
   for (int i = 0; i < 100000; ++i) deep += '[';
   return {
-      {"NotJson", "{", 0, "header: not JSON"},
-      {"EmptyHeader", "", 0, "header: not JSON"},
-      {"TrailingText", "{} x", 0, "header: not JSON"},
-      {"BadUtf8", "{\"\xff\":1}", 0, "header: not JSON"},
-      {"HugeNumber", A(kF32, "[1e999]", "[0,8]"), 8, "header: not JSON"},
+      {"NotJson", "{", 0, "header: not JSON: line 1, column 2"},
+      {"EmptyHeader", "", 0, "header: not JSON: line 1, column 1"},
+      {"TrailingText", "{} x", 0, "header: not JSON: line 1, column 4"},
+      {"BadUtf8", "{\"\xff\":1}", 0, "header: not JSON: line 1, column 3"},
+      {"HugeNumber", A(kF32, "[1e999]", "[0,8]"), 8, "header: not JSON: a number out of range"},
       {"Array", "[]", 0, "header: expected an object"},
       {"Deep", deep, 0, "header: nested deeper than 16"},
       {"KeyTwice", "{" + a + "," + a + "}", 8, "key 'a' twice"},

@@ -296,7 +296,7 @@ TEST(Load, RefusesOtherMetadata) {
             "file: __metadata__: expected the one key 'styled', found none of that "
             "name");
   EXPECT_THAT(message({{"styled", text}, {"format", "pt"}}), HasSubstr("found 2 keys"));
-  EXPECT_EQ(message({{"styled", "{"}}), "file: key 'styled': not JSON");
+  EXPECT_EQ(message({{"styled", "{"}}), "file: key 'styled': not JSON: line 1, column 2");
   EXPECT_EQ(message({{"styled", R"({"version":1,"version":1})"}}),
             "file: key 'styled': key 'version' twice");
   EXPECT_EQ(message({{"styled", text}}), "");
