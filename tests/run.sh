@@ -2,7 +2,7 @@
 # Installs, builds and passes every test. Options:
 #   --full       clang-tidy, Clang 22's check of the hot path, and the tests under ASan+UBSan and
 #                TSan, too
-#   --sanitized  the decoders' fuzz targets under ASan+UBSan, too
+#   --sanitized  all fuzz targets but those that need the daemon under ASan+UBSan, not only the rigs' decoders
 #   --no-torch   do not install libtorch; trainer and live parity tests are then left out (where
 #                libtorch is already there they run)
 # Data from $STYLED_DATA (default ../shared/data beside the checkout) is used where it exists; tests
@@ -92,12 +92,12 @@ second_tries_are_few() {
   [ "$seconds_tried" -le "$most_second_tries" ]
 }
 
-# What reads strangers' bytes, under ASan and UBSan. It builds for about 25 minutes on two cores, so
-# it is asked for. --full has all of the suite.
-sanitized_part() {
-  local styled_targets=styled_sanitizer_part
+# What reads strangers' bytes, under ASan and UBSan: the rigs' decoders in a few minutes. What is asked
+# for with --sanitized builds for 25 minutes on two cores. --full has all of the suite.
+sanitized_part() {  # sanitized_part decoder|sanitizer
+  local styled_targets=styled_$1_part
   styled_build asan -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF &&
-    run_ctest sanitizer-tests asan -j2 -L sanitizer
+    run_ctest sanitizer-tests asan -j2 -L "^$1\$"
 }
 
 step "install" styled_install "$level"
@@ -120,7 +120,11 @@ lint_is_well() {
 step "lint, and clang-tidy of what changed" lint_is_well
 step "tests in a browser" run_ctest browser-tests release -L browser --repeat until-pass:2
 step "second tries" second_tries_are_few
-[ "$sanitized" = no ] || step "tests under ASan and UBSan, in part" sanitized_part
+if [ "$sanitized" = yes ]; then
+  step "fuzz targets under ASan and UBSan" sanitized_part sanitizer
+elif [ "$full" = no ]; then
+  step "rigs' decoders under ASan and UBSan" sanitized_part decoder
+fi
 if [ "$full" = yes ]; then
   step "clang-tidy" tests/lint.sh --tidy
   step "install clang 22" styled_install effects
