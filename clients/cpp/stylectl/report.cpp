@@ -124,9 +124,19 @@ std::string HeldBackText(const v1::PerformerStats& performer) {
   return limbs.empty() ? "" : performer.performer() + " shows of the style: " + limbs + "\n";
 }
 
+// How the daemon knows the performer's own way to stand and walk: "calibrated", or how much of it
+// is learned.
+std::string NeutralCell(const v1::PerformerStats& performer) {
+  if (!performer.has_neutral()) return "-";
+  const v1::NeutralStats& neutral = performer.neutral();
+  if (neutral.calibrates_s() > 0) return "calibrates";
+  if (neutral.calibrated()) return "calibrated";
+  return Fixed(100 * static_cast<double>(neutral.learned()), 0) + " %";
+}
+
 // Where the style of a performer is not yet what it will be; "": nowhere.
 std::string NeutralText(const v1::PerformerStats& performer) {
-  constexpr float kKnown = 0.8F;  // two seconds
+  constexpr float kKnown = 0.8F;  // a second
   if (!performer.live() || !performer.has_turned_deg() || !performer.has_neutral()) return "";
   const v1::NeutralStats& neutral = performer.neutral();
   if (neutral.calibrates_s() > 0) {
@@ -343,7 +353,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
   if (stats.performers_size() > 0) {
     std::vector<std::vector<std::string>> rows{
         {"PERFORMER", "STATE", "HZ", "P50 us", "P99 us", "MAX us", "P99 1 min", "P99 all", "OVER",
-         "PUBLISHED", "LOST", "STRENGTH", "STYLE", "MOVES cm", ""}};
+         "PUBLISHED", "LOST", "STRENGTH", "STYLE", "MOVES cm", "NEUTRAL", ""}};
     std::string warnings, merged, held_back;
     for (const auto& performer : stats.performers()) {
       std::string notes;
@@ -376,7 +386,8 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       std::to_string(performer.over_budget()),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
                       Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
-                      performer.has_moved() ? Fixed(Most_cm(performer.moved()), 1) : "-", notes});
+                      performer.has_moved() ? Fixed(Most_cm(performer.moved()), 1) : "-",
+                      NeutralCell(performer), notes});
     }
     std::sort(rows.begin() + 1, rows.end());  // by performer
     out += Table(rows) + merged + held_back + warnings;

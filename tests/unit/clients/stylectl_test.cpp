@@ -424,6 +424,14 @@ TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
   anna.mutable_moved()->set_head(1);
   EXPECT_TRUE(shows("2.3"));
   EXPECT_FALSE(shows("shows of the style"));
+  anna.mutable_neutral()->set_learned(0.974F);
+  EXPECT_TRUE(shows("97 %"));
+  EXPECT_FALSE(shows("is learned to")) << "enough of it";
+  anna.mutable_neutral()->set_learned(0.5F);
+  EXPECT_TRUE(shows("rig.anna: their neutral is learned to 50 %"));
+  anna.mutable_neutral()->set_calibrated(true);
+  EXPECT_TRUE(shows("calibrated"));
+  EXPECT_FALSE(shows("50 %"));
   anna.mutable_shown()->set_left_arm(0.24F);
   anna.mutable_shown()->set_trunk(0.6F);
   EXPECT_TRUE(shows("rig.anna shows of the style: left arm 24 %, trunk 60 %\n"));
