@@ -94,7 +94,11 @@ Status Run(const Arguments& arguments) {
         std::make_shared<const styled::rig::Binding>(styled::feet::HumanoidBinding());
     for (const std::string& style : arguments.styles) {
       const int index = styled::net::FindStyle(network.value()->model().styles, style);
-      if (index < 1) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
+      if (index < 0) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
+      if (index == 0) {  // neutral changes nothing
+        rows.emplace_back(style, poses);
+        continue;
+      }
       judge::Switch start{0, judge::OneStyle(index, arguments.absolute)};
       start.settings.strength = arguments.strength;
       rows.emplace_back(style, judge::StyleStream(network.value(), binding, arguments.stylist,
