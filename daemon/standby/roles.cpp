@@ -51,7 +51,7 @@ Roles::Change Roles::OnPeer(const Peer& peer) {
       }
       if (leads) return Start(of_pair ? Change::kFollow : Change::kNone);
       // It says goodbye, has just started again, or follows: whom this daemon followed is gone.
-      silence_ns_ = waits_ns_;
+      silence_ns_ = std::max(waits_ns_, kLook_ns);
       return Change::kNone;
     case v1::ROLE_LEADING: {
       if (!leads || !of_pair) return Change::kNone;
@@ -66,14 +66,16 @@ Roles::Change Roles::OnPeer(const Peer& peer) {
   }
 }
 
-Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready) {
+Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready, bool whole) {
   if (!timed_) last_ns_ = now_ns;
   timed_ = true;
   const std::int64_t passed_ns = now_ns - last_ns_;
   last_ns_ = now_ns;
   if (role_ == v1::ROLE_LEADING) Age(std::max<std::int64_t>(passed_ns, 0));
   silence_ns_ += std::clamp<std::int64_t>(passed_ns, 0, hold_ns_ / 4);
-  if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= waits_ns_) {
+  // Without the leader's state every performer would begin anew: it must be gone for sure.
+  const std::int64_t waits_ns = whole ? waits_ns_ : std::max(waits_ns_, kLook_ns);
+  if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= waits_ns) {
     return Start(ready ? Change::kTakeOver : Change::kLead);
   }
   const std::int64_t look_ns = looks_longer_ ? kLookLonger_ns : kLook_ns;

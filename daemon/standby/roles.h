@@ -57,9 +57,11 @@ class Roles {
   void SetHoldOfPeer(std::int64_t hold_ns) {
     waits_ns_ = std::max(hold_ns_, std::min(hold_ns, kLongestWait_ns));
   }
-  // Call at least every hold_ns / 4. `ready`: it has the leader's state. Of a longer pause only
-  // that much counts as the other's silence: it was this daemon that stood still.
-  Change OnTime(std::int64_t now_ns, bool ready);
+  // Call at least every hold_ns / 4. `ready`: it would go on as the leader does. `whole`: it has
+  // the leader's state, however it is set up itself; without it it waits for kLook_ns at least. Of
+  // a longer pause only that much counts as the other's silence: it was this daemon that stood
+  // still.
+  Change OnTime(std::int64_t now_ns, bool ready, bool whole);
   // Somebody wants this daemon to lead. It says that it leads in the next term; what the leader
   // still has to say comes first: it ends with a goodbye. Only while it follows and is ready.
   void OnWish() { claims_ = true; }

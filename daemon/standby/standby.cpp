@@ -275,7 +275,7 @@ bool Standby::Next(Step& step) {
 Standby::Change Standby::OnTime() {
   const std::int64_t now_ns = Now_ns();
   const bool was_ready = ready();
-  const Change change = Note(roles_.OnTime(now_ns, was_ready));
+  const Change change = Note(roles_.OnTime(now_ns, was_ready, whole()));
   if (change != Change::kNone || now_ns - said_ns_ >= beat_ns_) {
     (void)NewEntry();
     Send(now_ns, clock_.base().Wall_ns());
@@ -388,9 +388,11 @@ bool Standby::PopAsked() {
   return true;
 }
 
+bool Standby::whole() const { return sync_ == Sync::kReady && !gap_ && why_not_.empty(); }
+
 bool Standby::ready() const {
-  return sync_ == Sync::kReady && !gap_ && why_not_.empty() && stranger_ns_ == 0 &&
-         peer_setup_known_ && differs_.empty() && apart_of_last_.count() <= kMostApart;
+  return whole() && stranger_ns_ == 0 && peer_setup_known_ && differs_.empty() &&
+         apart_of_last_.count() <= kMostApart;
 }
 
 void Standby::Refetch() {

@@ -100,8 +100,10 @@ class Standby {
   bool PopAsked();
 
   // The follower's part. Ready: it has the state of all performers, its setup is the leader's, and
-  // no more than one in a hundred of the last poses are apart from the leader's.
+  // no more than one in a hundred of the last poses are apart from the leader's. Whole: it has the
+  // state.
   bool ready() const;
+  bool whole() const;
   bool looks() const { return roles_.role() == v1::ROLE_LOOKING; }
   // It has at least a part of the leader's state, in whose epoch it then goes on.
   bool has_part() const { return has_part_; }

@@ -17,7 +17,8 @@ Peer Leading(std::uint64_t daemon, std::uint64_t term) {
 Change Pass(Roles& roles, std::int64_t& now_ns, int ms, bool ready = true) {
   for (int i = 0; i < ms; i += 10) {
     now_ns += 10 * kMs;
-    if (const Change change = roles.OnTime(now_ns, ready); change != Change::kNone) return change;
+    if (const Change change = roles.OnTime(now_ns, ready, ready); change != Change::kNone)
+      return change;
   }
   return Change::kNone;
 }
@@ -56,20 +57,30 @@ TEST_F(RolesTest, AStandbyGoesOnAfterTheHoldAndNotBefore) {
   EXPECT_EQ(roles.role(), v1::ROLE_LEADING);
 }
 
-TEST_F(RolesTest, WithoutTheStateItLeadsAllTheSame) {
+TEST_F(RolesTest, WithoutTheStateItLeadsAllTheSameButAfterASecond) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
+  EXPECT_EQ(Pass(roles, now_ns, 900, false), Change::kNone) << "a busy leader is not gone";
+  EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone);
+  EXPECT_EQ(Pass(roles, now_ns, 900, false), Change::kNone);
   EXPECT_EQ(Pass(roles, now_ns, 200, false), Change::kLead);
+}
+
+TEST_F(RolesTest, WithoutTheStateItLeadsAtOnceAfterAGoodbye) {
+  EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
+  EXPECT_EQ(roles.OnTime(now_ns, false, false), Change::kNone);
+  EXPECT_EQ(roles.OnPeer({9, v1::ROLE_LEAVING, 3, false}), Change::kNone);
+  EXPECT_EQ(Pass(roles, now_ns, 10, false), Change::kLead);
 }
 
 TEST_F(RolesTest, ItsOwnPauseIsNotTheOthersSilence) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
-  EXPECT_EQ(roles.OnTime(now_ns, true), Change::kNone);
+  EXPECT_EQ(roles.OnTime(now_ns, true, true), Change::kNone);
   for (int i = 0; i < 3; ++i) {
     now_ns += 5'000 * kMs;  // stopped for five seconds
-    EXPECT_EQ(roles.OnTime(now_ns, true), Change::kNone);
+    EXPECT_EQ(roles.OnTime(now_ns, true, true), Change::kNone);
   }
   now_ns += 5'000 * kMs;
-  EXPECT_EQ(roles.OnTime(now_ns, true), Change::kTakeOver);
+  EXPECT_EQ(roles.OnTime(now_ns, true, true), Change::kTakeOver);
 }
 
 TEST_F(RolesTest, AGoodbyeAndARestartNeedNoWait) {
@@ -77,9 +88,9 @@ TEST_F(RolesTest, AGoodbyeAndARestartNeedNoWait) {
                           Peer{11, v1::ROLE_LOOKING, 0, true}}) {
     Roles standby(5, false, kHold);
     EXPECT_EQ(standby.OnPeer(Leading(9, 3)), Change::kFollow);
-    EXPECT_EQ(standby.OnTime(1, true), Change::kNone);
+    EXPECT_EQ(standby.OnTime(1, true, true), Change::kNone);
     EXPECT_EQ(standby.OnPeer(end), Change::kNone);
-    EXPECT_EQ(standby.OnTime(2, true), Change::kTakeOver);
+    EXPECT_EQ(standby.OnTime(2, true, true), Change::kTakeOver);
   }
 }
 
@@ -110,9 +121,9 @@ TEST_F(RolesTest, AWishIsSaidAndWaitsForTheGoodbye) {
   EXPECT_EQ(roles.said_term(), 4U);
   EXPECT_EQ(roles.role(), v1::ROLE_FOLLOWING);
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone) << "its journal goes on until it has heard";
-  EXPECT_EQ(roles.OnTime(1, true), Change::kNone);
+  EXPECT_EQ(roles.OnTime(1, true, true), Change::kNone);
   EXPECT_EQ(roles.OnPeer({9, v1::ROLE_LEAVING, 4, false}), Change::kNone);
-  EXPECT_EQ(roles.OnTime(2, true), Change::kTakeOver);
+  EXPECT_EQ(roles.OnTime(2, true, true), Change::kTakeOver);
   EXPECT_EQ(roles.term(), 4U);
   EXPECT_EQ(roles.OnPeer({9, v1::ROLE_FOLLOWING, 4, false}), Change::kNone);
 }
