@@ -104,8 +104,8 @@ Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config
       publisher_(publisher, clock),
       roles_(daemon, config.first, runtime::Nanoseconds(config.hold_s)),
       epoch_(daemon),
-      reconnected_ns_(clock.Now_ns()),
       setup_said_ns_(clock.Now_ns() - kSetupEvery_ns),
+      reconnected_ns_(clock.Now_ns()),
       next_state_ns_(clock.Now_ns() - kStateEvery_ns * (kStatesAtOnce - 1)) {
   publisher_.Hold();
 }
