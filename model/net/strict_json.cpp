@@ -50,8 +50,7 @@ std::string ParseStrictJson(std::string_view text, nlohmann::json& value) {
   } catch (const json::parse_error& fault) {
     value = json(json::value_t::discarded);
     if (error.empty()) error = "not JSON: " + Place(text, fault.byte);
-  } catch (
-      const json::exception&) {  // of the library's only one is left: a number above all doubles
+  } catch (const json::exception&) {  // the only other fault: a number above all doubles
     value = json(json::value_t::discarded);
     if (error.empty()) error = "not JSON: a number out of range";
   }

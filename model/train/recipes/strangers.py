@@ -2,7 +2,7 @@
 """The table "Strangers" of RESULTS.md, in Markdown: `strangers.py [options] WEIGHTS [TITLE=WEIGHTS...]`, the
 figures of styleacts for one file beside those of others. strangers.sh runs it.
 
-A cell is a clip in one of the six styles of set 2. RESULTS.md says of whom training and tuning saw something.
+A cell is a clip in one of the six styles of set 2. RESULTS.md names the clips that training and tuning used.
 """
 import argparse
 import glob
