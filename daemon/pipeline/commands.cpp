@@ -86,14 +86,22 @@ void Commands::FollowStyles(const v1::Request& request, v1::Reply& reply) {
   follow(roster_.to_come);
 }
 
-void Commands::Show(const v1::Request& like, v1::Reply& reply) {
-  if (!like.has_like() || like.like().measure() || like.performer().empty()) return;
-  v1::Look change;
-  auto& mix = *change.add_mix();
+std::optional<v1::Request> SetThatShows(const v1::Request& like) {
+  if (!like.has_like() || like.like().measure() || like.performer().empty()) return std::nullopt;
+  v1::Request request;
+  request.set_performer(like.performer());
+  v1::Look& look = *request.mutable_set();
+  auto& mix = *look.add_mix();
   mix.set_style(like.like().name());
   mix.set_weight(1);
-  if (like.like().has_transition_ms()) change.set_transition_ms(like.like().transition_ms());
-  Change(like.performer(), std::move(change), "like", reply);
+  if (like.like().has_transition_ms()) look.set_transition_ms(like.like().transition_ms());
+  return request;
+}
+
+void Commands::Show(const v1::Request& like, v1::Reply& reply) {
+  auto request = SetThatShows(like);
+  if (!request) return;
+  Change(request->performer(), std::move(*request->mutable_set()), "like", reply);
 }
 
 Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,10 @@
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
+
+// The Set that gives a style just made to the performers whom its Like names; none if it names
+// none.
+std::optional<v1::Request> SetThatShows(const v1::Request& like);
 
 // Executes control requests (control.proto) between frames, on the pipeline thread. A request is
 // checked completely before anything changes. Allocates.

@@ -20,6 +20,9 @@ constexpr int kEntriesPerTurn = 64;
 // A leader's styles are as many at most.
 constexpr std::size_t kMostStyleRequests = 2048;
 constexpr std::size_t kShownReason = 200;  // bytes of what the leader says
+// A style takes 2 to 20 ms on the files thread. Entries that wait for so long are repeated without
+// it, and the state is fetched: a standby further behind would lead with old poses.
+constexpr std::int64_t kLongestStyle_ns = 1'000'000'000;
 
 }  // namespace
 
@@ -35,8 +38,15 @@ int Pipeline::DoStandby() {
   while (work < kEntriesPerTurn && standby.Next(step)) {
     ++work;
     OnChange(step.change);
-    if (step.entry != nullptr) Repeat(*step.entry, step.own_ns);
+    if (step.entry == nullptr) continue;
+    if (!awaits_style_ && waiting_.empty()) {
+      Repeat(*step.entry, step.own_ns);
+    } else {
+      waiting_.push_back({{}, step.own_ns, to_.clock.Now_ns()});
+      waiting_.back().entry.Swap(step.entry);
+    }
   }
+  work += RepeatWaiting(kEntriesPerTurn);
   // Whatever else comes in any number: what counts as a sign of the leader's life was seen first.
   OnChange(standby.OnTime());
   PassOnStyles();
@@ -53,12 +63,19 @@ int Pipeline::DoStandby() {
 void Pipeline::OnChange(Change change) {
   if (change == Change::kNone) return;
   standby::Standby& standby = *to_.standby;
+  if (change == Change::kFollow) {
+    style_requests_.clear();
+    imports_.clear();
+    waiting_.clear();
+    awaits_style_ = false;
+    fetches_after_styles_ = followed_ > 0;
+  } else {
+    EndWait();  // styles that the leader answered for come here later
+  }
   to_.mailboxes.stands_by.store(!standby.leads(), std::memory_order_relaxed);
   unsent_.clear();
   unsent_settings_.clear();
-  style_requests_.clear();
   arrange_.reset();
-  imports_.clear();
   silence_.Clear();
   put_off_.clear();
   if (change == Change::kFollow) return standby.publisher().Hold();
@@ -127,6 +144,34 @@ void Pipeline::Feed(const std::unordered_map<std::string, std::size_t>& from) {
   feeds_ = false;
 }
 
+// Those behind a change of styles that is done now, at most so many.
+int Pipeline::RepeatWaiting(int most) {
+  const std::int64_t now_ns = to_.clock.Now_ns();
+  const std::int64_t since_ns = waiting_.empty() ? awaits_since_ns_ : waiting_.front().read_ns;
+  if ((awaits_style_ || !waiting_.empty()) && now_ns - since_ns >= kLongestStyle_ns) {
+    to_.standby->Failed("styles change at the leader faster than here");
+    fetches_after_styles_ = true;
+    EndWait();
+  }
+  int done = 0;
+  for (; done < most && !awaits_style_ && !waiting_.empty(); ++done) {
+    const Waiting next = std::move(waiting_.front());
+    waiting_.pop_front();
+    Repeat(next.entry, next.own_ns);
+  }
+  return done;
+}
+
+// Repeats what waits without the styles that are not here yet.
+void Pipeline::EndWait() {
+  while (!waiting_.empty()) {
+    const Waiting next = std::move(waiting_.front());
+    waiting_.pop_front();
+    Repeat(next.entry, next.own_ns);
+  }
+  awaits_style_ = false;
+}
+
 void Pipeline::Repeat(const v1::Journal& entry, std::int64_t own_ns) {
   to_.standby->clock().Stand(own_ns, entry.wall_ns());
   switch (entry.what_case()) {
@@ -184,6 +229,7 @@ void Pipeline::Arrange(const v1::Beginning& beginning) {
   });
   if (!all_here || theirs == PlacesOf(roster_.config())) return;
   arrange_ = std::move(theirs);
+  fetches_after_styles_ = true;
   PassOnStyles();
 }
 
@@ -216,6 +262,7 @@ bool Pipeline::ImportsMissing(const std::string& style) {
       FormatStyleFile(*here->second, roster_.config()) == style) {
     return false;
   }
+  fetches_after_styles_ = true;
   Import(style);
   return true;
 }
@@ -228,6 +275,13 @@ void Pipeline::Import(const std::string& style) {
   request.mutable_import_style()->set_file(style);
   request.mutable_import_style()->set_replace(true);
   FollowStyles(std::move(request));
+}
+
+void Pipeline::AwaitStyle(const v1::Request& request) {
+  awaits_style_ = to_.standby->whole();
+  awaits_since_ns_ = to_.standby->clock().base().Now_ns();
+  if (!awaits_style_) fetches_after_styles_ = true;
+  request.has_import_style() ? Import(request.import_style().file()) : FollowStyles(request);
 }
 
 // What the leader did to styles, for the files thread.
@@ -264,8 +318,8 @@ void Pipeline::PassOnStyles() {
   to_.mailboxes.wake_files.Signal();
 }
 
-// The files thread did one of them, or could not. Once all are done, everything is fetched again;
-// at once only if it can succeed.
+// The files thread did one of them, or could not. Once all are done, everything is fetched again if
+// some were not done at the leader's frame; at once only if it can succeed.
 void Pipeline::StylesFollowed(const Exchange& exchange) {
   --followed_;
   std::erase(imports_, exchange.request.import_style().file());
@@ -275,7 +329,9 @@ void Pipeline::StylesFollowed(const Exchange& exchange) {
   }
   PassOnStyles();
   if (followed_ > 0) return;
-  if (!std::exchange(follow_failed_, false)) to_.standby->Refetch();
+  awaits_style_ = false;
+  const bool failed = std::exchange(follow_failed_, false);
+  if (std::exchange(fetches_after_styles_, false) && !failed && !leads()) to_.standby->Refetch();
 }
 
 void Pipeline::RepeatCheckpoint(const v1::Checkpoint& checkpoint) {
@@ -339,8 +395,7 @@ void Pipeline::RepeatSilence(const v1::Silence& silence, std::int64_t own_ns) {
 }
 
 void Pipeline::RepeatRequest(const v1::Request& request) {
-  if (request.has_import_style()) return Import(request.import_style().file());
-  if (IsStyleRequest(request)) return FollowStyles(request);
+  if (IsStyleRequest(request)) return AwaitStyle(request);
   v1::Reply reply;
   Answer(request, reply);
   if (reply.code() != v1::CODE_OK) {
@@ -359,6 +414,17 @@ bool Pipeline::RefusesOrders(Exchange& exchange) {
                               " leads: try again in a second");
   }
   return true;
+}
+
+// A style that this daemon made for somebody while it lost the lead: the leader has not got it. The
+// state, which is fetched again, takes it out of the list.
+void Pipeline::DisownStyle(Reload& reload) {
+  if (leads() || reload.config == nullptr || reload.exchange == nullptr) return;
+  Exchange& exchange = *reload.exchange;
+  if (exchange.followed) return;
+  exchange.reply.Clear();
+  standby::RefuseOrder(to_.standby->peer_address(), exchange.request, exchange.reply);
+  to_.standby->Refetch();
 }
 
 bool Pipeline::DoesLead(Exchange& exchange) {

@@ -151,6 +151,10 @@ void Pipeline::JournalRequest(const v1::Request& request, const v1::Reply& reply
     entry.mutable_import_style()->set_replace(true);
   }
   to_.standby->Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
+  const auto shows = SetThatShows(request);
+  if (!shows || reply.code() != v1::CODE_OK) return;
+  *to_.standby->NewEntry().mutable_request() = *shows;
+  to_.standby->Send(to_.clock.Now_ns(), to_.clock.Wall_ns());
 }
 
 }  // namespace styled::pipeline

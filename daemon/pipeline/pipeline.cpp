@@ -152,6 +152,7 @@ void Pipeline::Answer(const v1::Request& request, v1::Reply& reply) {
 int Pipeline::DoReloads() {
   Reload reload;
   if (!to_.mailboxes.reloads.Pop(reload)) return 0;
+  DisownStyle(reload);
   const bool done = reload.exchange != nullptr && reload.exchange->reply.code() == v1::CODE_OK;
   // Looks name styles as the new configuration does before it resolves them.
   if (done) commands_.FollowStyles(reload.exchange->request, reload.exchange->reply);

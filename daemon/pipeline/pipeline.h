@@ -124,6 +124,8 @@ class Pipeline final : public Worker, public source::Receiver {
   void JournalFrames(int source, std::span<const source::SourceFrame> frames);
   void JournalSilence(std::int64_t now_ns);
   void JournalRequest(const v1::Request& request, const v1::Reply& reply);
+  int RepeatWaiting(int most);
+  void EndWait();
   void Repeat(const v1::Journal& entry, std::int64_t own_ns);
   void RepeatBeginning(const v1::Journal& entry);
   void RepeatSettings(const v1::SettingsPart& part);
@@ -136,9 +138,11 @@ class Pipeline final : public Worker, public source::Receiver {
   bool ImportsMissing(const std::string& style);
   void Import(const std::string& style);
   void FollowStyles(v1::Request request);
+  void AwaitStyle(const v1::Request& request);
   void PassOnStyles();
   void StylesFollowed(const Exchange& exchange);
   bool RefusesOrders(Exchange& exchange);
+  void DisownStyle(Reload& reload);
   bool DoesLead(Exchange& exchange);
 
   int DoCommands();
@@ -221,6 +225,18 @@ class Pipeline final : public Worker, public source::Receiver {
   int followed_ = 0;
   std::vector<std::string> imports_;
   bool follow_failed_ = false;
+  // Whether the leader's state, of which they are, is fetched again once they are done.
+  bool fetches_after_styles_ = false;
+  // A style that changed while the standby is whole: entries behind it wait until the files thread
+  // has done the same, so that motions change at the leader's frame.
+  struct Waiting {
+    v1::Journal entry;
+    std::int64_t own_ns = 0;   // when the leader did it, on this daemon's clock
+    std::int64_t read_ns = 0;  // when it was read here
+  };
+  bool awaits_style_ = false;
+  std::int64_t awaits_since_ns_ = 0;
+  std::deque<Waiting> waiting_;
   bool tells_all_ = false;  // the standby gets everything anew
   // What the standby still gets of the state, a part a turn.
   struct Part {

@@ -71,7 +71,7 @@ class Standby {
   // is no message of the other daemon is counted, told and changes nothing.
   struct Step {
     Change change = Change::kNone;
-    const v1::Journal* entry = nullptr;
+    v1::Journal* entry = nullptr;  // until the next call; the caller may take it
     std::int64_t own_ns = 0;
   };
   bool Next(Step& step);

@@ -23,6 +23,7 @@ class StateTest : public PairTest {
     auto network = net::Parse(stgcn_causal::RandomWeights(5, 16, 3).Bytes(), "random");
     EXPECT_TRUE(network.ok());
     config->network = std::move(network.value());
+    config->loaded = config->network;
     config->own_styles = static_cast<int>(config->network->model().styles.size());
     config->weights_hash = "crc32c:00001234";
     for (int i = 0; i < count; ++i) {
@@ -40,21 +41,57 @@ class StateTest : public PairTest {
     config_ = leaders;
     a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, leaders, kTopics);
     Turn(1200);
-    b_running_ = standbys;
+    files_a_.running = leaders;
+    files_b_.running = standbys;
     StartB(standbys);
   }
-  // What the supervisor does at b.
+  // What the files thread does at a node; one that is slow takes so many turns for a style.
+  struct Files {
+    std::shared_ptr<const pipeline::RuntimeConfig> running;
+    pipeline::StyleRequests requests{};
+    int turns = 0;
+    std::unique_ptr<pipeline::Exchange> busy{};
+    int left = 0;
+
+    void Turn(Node& node) {
+      for (int done = 0; done < 2000; ++done) {
+        if (busy == nullptr && !node.mailboxes.takes.Pop(busy)) return;
+        if (left == 0) left = turns + 1;
+        if (--left > 0) return;
+        auto made = requests.Do(*running, *busy);
+        if (made != nullptr) running = made;
+        ASSERT_TRUE(node.mailboxes.reloads.Push({std::move(made), std::move(busy)}));
+        node.Work();
+      }
+    }
+  };
   void SuperviseB(int ms) {
     for (int i = 0; i < ms; ++i) {
-      std::unique_ptr<pipeline::Exchange> exchange;
-      while (b_->mailboxes.takes.Pop(exchange)) {
-        auto made = requests_.Do(*b_running_, *exchange);
-        if (made != nullptr) b_running_ = made;
-        ASSERT_TRUE(b_->mailboxes.reloads.Push({std::move(made), std::move(exchange)}));
-        b_->Work();
-      }
+      files_b_.Turn(*b_);
       Turn(1);
     }
+  }
+  // Frames of the rig at both, the files threads of both beside them.
+  void FramesAndFiles(int count) {
+    for (int i = 0; i < count; ++i) {
+      Send(rig_.Frame());
+      for (int ms = 0; ms < 8; ++ms) {
+        if (a_ != nullptr) files_a_.Turn(*a_);
+        files_b_.Turn(*b_);
+        Turn(1);
+      }
+    }
+  }
+  // A Like of a variation, as an operator gives it to a.
+  void Like(const std::string& name, int seed, const std::string& performer) {
+    auto exchange = std::make_unique<pipeline::Exchange>();
+    exchange->request.set_performer(performer);
+    auto& like = *exchange->request.mutable_like();
+    like.set_name(name);
+    const auto& styles = files_a_.running->network->model().styles;
+    like.mutable_vary()->set_style(styles[static_cast<std::size_t>(1 + seed % 4)].name);
+    like.mutable_vary()->set_seed(static_cast<std::uint64_t>(seed));
+    ASSERT_TRUE(a_->mailboxes.commands.Push(std::move(exchange)));
   }
   // Entries of a kind that a has sent to b from now on.
   void Count(v1::Journal::WhatCase kind) {
@@ -79,8 +116,7 @@ class StateTest : public PairTest {
     EXPECT_EQ(b_->State().role(), "following");
   }
 
-  pipeline::StyleRequests requests_;
-  std::shared_ptr<const pipeline::RuntimeConfig> b_running_;
+  Files files_a_, files_b_;
   int counted_ = 0;
   std::size_t largest_ = 0;
 };
@@ -93,12 +129,110 @@ TEST_F(StateTest, StylesComeOneAMessage) {
   SuperviseB(3000);
   ExpectOneLeads();
   EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
-  EXPECT_EQ(b_running_->made.size(), 60U);
-  EXPECT_EQ(b_running_->network->model().styles.size(), config_->network->model().styles.size());
+  EXPECT_EQ(files_b_.running->made.size(), 60U);
+  EXPECT_EQ(files_b_.running->network->model().styles.size(),
+            config_->network->model().styles.size());
   EXPECT_GE(counted_, 60);
   EXPECT_LE(b_->State().fetched(), 3U) << "all are imported, and then the state is fetched once";
   EXPECT_LT(largest_, 20'000U);
   EXPECT_GT(BytesOf(*config_), 40'000U) << "the control: together they would not fit";
+}
+
+// Made, shown, replaced while it is shown, renamed and removed: the standby changes at the leader's
+// frame, though its files thread needs longer, and is ready all the time.
+TEST_F(StateTest, StylesThatChangeAllTheTimeChangeAtTheLeadersFrame) {
+  Begin(WithStyles(2, 10), WithStyles(2, 10));
+  SuperviseB(200);
+  Send(rig_.Body());
+  FramesAndFiles(20);
+  ASSERT_TRUE(b_->State().ready()) << b_->State().why_not();
+  const auto before = b_->State();
+  files_b_.turns = 21;  // ms
+  for (int i = 0; i < 60; ++i) {
+    Like("s" + std::to_string(i % 3), i, i % 4 == 0 ? "" : "rig.a");
+    if (i % 3 == 2) Like("s" + std::to_string((i + 1) % 3), i + 1, "rig.a");
+    FramesAndFiles(8);
+    EXPECT_TRUE(b_->State().ready()) << i << ": " << b_->State().why_not();
+  }
+  FramesAndFiles(20);
+  const auto after = b_->State();
+  EXPECT_GT(after.compared() - before.compared(), 400U);
+  EXPECT_EQ(after.different() - before.different(), 0U);
+  EXPECT_EQ(after.fetched(), before.fetched());
+  EXPECT_EQ(files_b_.running->made.size(), files_a_.running->made.size());
+  EXPECT_TRUE(pipeline::PlacesOf(*files_b_.running) == pipeline::PlacesOf(*files_a_.running));
+}
+
+// The files thread of the standby hangs: the frames go on there, and it says why it is not ready.
+TEST_F(StateTest, AStandbyWhoseFilesHangGoesOnWithoutTheStyle) {
+  Begin(WithStyles(2, 10), WithStyles(2, 10));
+  SuperviseB(200);
+  Send(rig_.Body());
+  FramesAndFiles(20);
+  files_b_.turns = 1'000'000;
+  Like("s", 1, "rig.a");
+  FramesAndFiles(60);
+  EXPECT_TRUE(b_->State().ready()) << "it waits for half a second";
+  FramesAndFiles(120);
+  EXPECT_FALSE(b_->State().ready());
+  EXPECT_NE(b_->State().why_not().find("styles change at the leader faster"), std::string::npos)
+      << b_->State().why_not();
+  const std::size_t frames = b_->publisher.frames.size();
+  a_.reset();
+  wire_.cut = true;
+  for (int i = 0; i < 250; ++i) {
+    Send(rig_.Frame());
+    Turn(8);
+  }
+  EXPECT_EQ(b_->State().role(), "leading");
+  EXPECT_GT(b_->publisher.frames.size(), frames);
+}
+
+// The leader dies while the standby waits for a style: no frame is lost, the style comes later.
+TEST_F(StateTest, ALeaderThatDiesWhileAStyleIsMadeAtTheStandbyLosesNothing) {
+  Begin(WithStyles(2, 10), WithStyles(2, 10));
+  SuperviseB(200);
+  Send(rig_.Body());
+  FramesAndFiles(20);
+  files_b_.turns = 300;
+  Like("s", 1, "rig.a");
+  FramesAndFiles(12);
+  const auto last = a_->publisher.frames.back().sequence();
+  std::map<std::uint64_t, v1::Frame> seen;
+  for (const auto& frame : a_->publisher.frames) seen.emplace(frame.sequence(), frame);
+  a_.reset();
+  FramesAndFiles(40);
+  EXPECT_EQ(b_->State().role(), "leading");
+  for (const auto& frame : b_->publisher.frames) seen.emplace(frame.sequence(), frame);
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen.rbegin()->first - seen.begin()->first + 1, seen.size());
+  EXPECT_GT(seen.rbegin()->first, last);
+  EXPECT_TRUE(files_b_.running->made.contains("s"));
+}
+
+// The other daemon leads by now, which has not got the style: nobody is told that it is made.
+TEST_F(StateTest, AStyleThatIsMadeWhileTheLeadIsLostIsRefused) {
+  Begin(WithStyles(2, 10), WithStyles(2, 10));
+  SuperviseB(200);
+  Send(rig_.Body());
+  FramesAndFiles(20);
+  files_a_.turns = 300;
+  Like("s", 1, "rig.a");
+  FramesAndFiles(5);
+  v1::Request lead;
+  lead.mutable_lead();
+  ASSERT_EQ(b_->Ask(lead).code(), v1::CODE_OK);
+  FramesAndFiles(30);
+  ASSERT_EQ(a_->State().role(), "following");
+  FramesAndFiles(20);
+  files_a_.turns = 0;
+  FramesAndFiles(200);
+  std::unique_ptr<pipeline::Exchange> exchange;
+  ASSERT_TRUE(a_->mailboxes.replies.Pop(exchange));
+  EXPECT_EQ(exchange->reply.code(), v1::CODE_STANDBY);
+  EXPECT_FALSE(exchange->reply.has_like());
+  EXPECT_TRUE(a_->State().ready()) << a_->State().why_not();
+  EXPECT_TRUE(pipeline::PlacesOf(*files_b_.running) == pipeline::PlacesOf(*files_a_.running));
 }
 
 TEST_F(StateTest, AStyleThatNoMessageHoldsIsNamedInsteadAndOneLeads) {
