@@ -216,6 +216,7 @@ void Pipeline::RepeatBeginning(const v1::Journal& entry) {
 // everything is fetched again.
 void Pipeline::Arrange(const v1::Beginning& beginning) {
   arrange_.reset();
+  theirs_.reset();
   // A message may name millions of places; no leader has so many.
   if (static_cast<std::size_t>(beginning.places_size()) > kMostPlaces) return;
   Places theirs;
@@ -227,10 +228,30 @@ void Pipeline::Arrange(const v1::Beginning& beginning) {
   const bool all_here = std::ranges::all_of(theirs.entries, [this](const auto& entry) {
     return entry.retired || roster_.config().made.contains(entry.name);
   });
-  if (!all_here || theirs == PlacesOf(roster_.config())) return;
-  arrange_ = std::move(theirs);
+  if (!all_here) return;
+  theirs_ = std::move(theirs);
+  fading_to_come_ = static_cast<std::size_t>(beginning.fading_size());
+  if (fading_to_come_ == 0) ArrangeIfOther();
+}
+
+void Pipeline::ArrangeIfOther() {
+  if (HasPlaces(roster_.config(), *theirs_)) return;
+  arrange_ = theirs_;
   fetches_after_styles_ = true;
   PassOnStyles();
+}
+
+// While the styles themselves are not all here, everything is fetched again anyway.
+void Pipeline::RepeatFading(const v1::StylePart& part) {
+  if (!theirs_ || fading_to_come_ == 0 || part.fading() >= theirs_->entries.size()) return;
+  --fading_to_come_;
+  if (!part.file().empty()) {
+    auto parsed = ParseStyleFile(part.file(), "a style of the leader's", roster_.config());
+    if (!parsed.ok()) return to_.standby->Failed(parsed.status().message());
+    theirs_->fading[part.fading()] = std::make_shared<const MadeStyle>(std::move(parsed.value()));
+  }
+  to_.standby->StyleRestored(part);
+  if (fading_to_come_ == 0) ArrangeIfOther();
 }
 
 void Pipeline::RepeatSettings(const v1::SettingsPart& part) {
@@ -246,8 +267,9 @@ void Pipeline::RepeatSettings(const v1::SettingsPart& part) {
 
 void Pipeline::RepeatStyle(const v1::StylePart& part) {
   if (!to_.standby->fetches()) return;
+  if (part.has_fading()) return RepeatFading(part);
   // Where it is imported first, everything is fetched again afterwards.
-  if (part.file().empty() || !ImportsMissing(part.file())) to_.standby->StyleRestored(part.name());
+  if (part.file().empty() || !ImportsMissing(part.file())) to_.standby->StyleRestored(part);
 }
 
 // A style that the leader has made and this daemon perhaps has not: true, then.

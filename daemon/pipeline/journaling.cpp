@@ -49,6 +49,12 @@ void Pipeline::SendBeginning() {
     beginning.add_places(name);
     if (retired) {
       beginning.add_retired(static_cast<std::uint32_t>(i));
+      if (!places.fading.contains(i) ||
+          !IsNamed(roster_.config().own_styles + static_cast<int>(i))) {
+        continue;
+      }
+      beginning.add_fading(static_cast<std::uint32_t>(i));
+      unsent_.push_back({Part::Kind::kFading, name, i});
       continue;
     }
     beginning.add_styles(name);
@@ -65,6 +71,8 @@ void Pipeline::SendPart() {
       return FillSettings(*entry.mutable_settings());
     case Part::Kind::kStyle:
       return FillStyle(part.name, *entry.mutable_style());
+    case Part::Kind::kFading:
+      return FillFading(part, *entry.mutable_style());
     case Part::Kind::kCheckpoint:
       return FillCheckpoint(part.name, *entry.mutable_checkpoint());
   }
@@ -94,6 +102,22 @@ void Pipeline::FillStyle(const std::string& name, v1::StylePart& part) {
   const auto made = roster_.config().made.find(name);
   if (made == roster_.config().made.end()) return;
   part.set_file(FormatStyleFile(*made->second, roster_.config()));
+}
+
+// A style that has another place by now, or none, and from which performers still fade out.
+void Pipeline::FillFading(const Part& from, v1::StylePart& part) {
+  part.set_name(from.name);
+  part.set_fading(static_cast<std::uint32_t>(from.place));
+  const auto found =
+      roster_.config().retired.find(roster_.config().own_styles + static_cast<int>(from.place));
+  if (found == roster_.config().retired.end()) return;
+  part.set_file(FormatStyleFile(*found->second, roster_.config()));
+}
+
+// Whether somebody's motion names the style of this number.
+bool Pipeline::IsNamed(int style) const {
+  return std::ranges::any_of(roster_.performers,
+                             [style](const auto& performer) { return performer->Names(style); });
 }
 
 void Pipeline::FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoint) {

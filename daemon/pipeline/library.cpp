@@ -100,8 +100,7 @@ void ReadLibrary(RuntimeConfig& config) {
     if (!gone(name)) {
       config.kept.insert(name);
     } else if (number >= config.own_styles) {
-      config.network = config.network->Retired(number);
-      config.made.erase(name);
+      RetireStyle(number, config);
     }
   }
   for (const std::filesystem::path& file : files) {

@@ -120,6 +120,9 @@ class Pipeline final : public Worker, public source::Receiver {
   void SendPart();
   void FillSettings(v1::SettingsPart& part);
   void FillStyle(const std::string& name, v1::StylePart& part);
+  struct Part;
+  void FillFading(const Part& from, v1::StylePart& part);
+  bool IsNamed(int style) const;
   void FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoint);
   void JournalFrames(int source, std::span<const source::SourceFrame> frames);
   void JournalSilence(std::int64_t now_ns);
@@ -135,6 +138,8 @@ class Pipeline final : public Worker, public source::Receiver {
   void RepeatSilence(const v1::Silence& silence, std::int64_t own_ns);
   void RepeatRequest(const v1::Request& request);
   void Arrange(const v1::Beginning& beginning);
+  void RepeatFading(const v1::StylePart& part);
+  void ArrangeIfOther();
   bool ImportsMissing(const std::string& style);
   void Import(const std::string& style);
   void FollowStyles(v1::Request request);
@@ -222,6 +227,9 @@ class Pipeline final : public Worker, public source::Receiver {
   // how much is in it; styles of the leader's among both; whether one failed since all was done.
   std::deque<v1::Request> style_requests_;
   std::optional<Places> arrange_;  // the leader's places of styles, behind those
+  // The places of the state that is being fetched, and how many of their `fading` are to come.
+  std::optional<Places> theirs_;
+  std::size_t fading_to_come_ = 0;
   int followed_ = 0;
   std::vector<std::string> imports_;
   bool follow_failed_ = false;
@@ -240,9 +248,10 @@ class Pipeline final : public Worker, public source::Receiver {
   bool tells_all_ = false;  // the standby gets everything anew
   // What the standby still gets of the state, a part a turn.
   struct Part {
-    enum class Kind : std::uint8_t { kSettings, kStyle, kCheckpoint };
+    enum class Kind : std::uint8_t { kSettings, kStyle, kFading, kCheckpoint };
     Kind kind = Kind::kSettings;
-    std::string name;  // a style's, or a performer's id
+    std::string name{};     // a style's, or a performer's id
+    std::size_t place = 0;  // of kFading
   };
   std::deque<Part> unsent_;
   std::deque<std::string> unsent_settings_;                         // ids, of the parts kSettings

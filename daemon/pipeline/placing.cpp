@@ -151,6 +151,16 @@ Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
   return usable ? Refusal() : Malformed(what + ": expected finite numbers, not huge ones");
 }
 
+void RetireStyle(int number, RuntimeConfig& config) {
+  const auto made =
+      config.made.find(config.network->model().styles[static_cast<std::size_t>(number)].name);
+  if (made != config.made.end()) {
+    config.retired[number] = made->second;
+    config.made.erase(made);
+  }
+  config.network = config.network->Retired(number);
+}
+
 Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
   const net::StyleSpace* const space = config.network->space();
   if (space == nullptr) {
@@ -165,10 +175,9 @@ Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
   style.nearest = config.network->model().styles[static_cast<std::size_t>(nearest.style)].name;
   style.distance = nearest.distance;
   if (place.replaced >= 0) {
-    config.made.erase(
-        config.network->model().styles[static_cast<std::size_t>(place.replaced)].name);
-    config.network = config.network->Retired(place.replaced);
+    RetireStyle(place.replaced, config);
   }
+  config.retired.erase(place.number);
   config.network = config.network->With(place.number, {.name = style.name}, style.code);
   config.last_place = place.number;
   const std::string name = style.name;
@@ -183,7 +192,19 @@ Places PlacesOf(const RuntimeConfig& config) {
     places.entries.push_back({styles[i].name, styles[i].retired});
   }
   places.last = config.last_place;
+  for (const auto& [number, style] : config.retired) {
+    places.fading[static_cast<std::size_t>(number - config.own_styles)] = style;
+  }
   return places;
+}
+
+bool HasPlaces(const RuntimeConfig& config, const Places& places) {
+  const Places here = PlacesOf(config);
+  return here.last == places.last && here.entries == places.entries &&
+         std::ranges::all_of(places.fading, [&here](const auto& fading) {
+           const auto found = here.fading.find(fading.first);
+           return found != here.fading.end() && found->second->code == fading.second->code;
+         });
 }
 
 Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
@@ -197,13 +218,19 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
     return Malformed("places: these weights have no style encoder");
   }
   std::set<std::string> placed;
+  std::map<int, std::shared_ptr<const MadeStyle>> still;
   for (std::size_t i = 0; i < places.entries.size(); ++i) {
     const auto& [name, retired] = places.entries[i];
     const int number = config.own_styles + static_cast<int>(i);
     const auto made = config.made.find(name);
     if (retired) {
-      // Nobody moves in it any more: any code will do.
-      network = network->With(number, {.name = name}, space->MakeCode({.sources = {{.style = 0}}}));
+      const auto fading = places.fading.find(i);
+      const bool fades = fading != places.fading.end();
+      if (fades) still[number] = fading->second;
+      // Where nobody moves in it any more, any code will do.
+      network = network->With(
+          number, {.name = name},
+          fades ? fading->second->code : space->MakeCode({.sources = {{.style = 0}}}));
       network = network->Retired(number);
       continue;
     }
@@ -216,6 +243,7 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
   std::erase_if(config.made, [&placed](const auto& made) { return !placed.contains(made.first); });
   std::erase_if(config.kept, [&placed](const auto& name) { return !placed.contains(name); });
   config.network = std::move(network);
+  config.retired = std::move(still);
   config.last_place = places.last;
   return {};
 }
@@ -244,8 +272,7 @@ Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig
 Refusal RemoveStyle(const MadeStyle& style, RuntimeConfig& config) {
   const int number = net::FindStyle(config.network->model().styles, style.name);
   if (auto refusal = CheckUnnamed(config, number, style.name); !refusal.ok()) return refusal;
-  config.network = config.network->Retired(number);
-  config.made.erase(style.name);
+  RetireStyle(number, config);
   return {};
 }
 

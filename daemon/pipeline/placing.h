@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,9 +52,12 @@ struct Places {
   };
   std::vector<Entry> entries;
   int last = 0;  // RuntimeConfig::last_place
-  friend bool operator==(const Places&, const Places&) = default;
+  // By index of `entries`, what retired ones were from which performers still fade out.
+  std::map<std::size_t, std::shared_ptr<const MadeStyle>> fading;
 };
-Places PlacesOf(const RuntimeConfig& config);
+Places PlacesOf(const RuntimeConfig& config);  // with all in `fading` that are known
+// Whether the configuration's styles have these places already, and those of `fading` the codes.
+bool HasPlaces(const RuntimeConfig& config, const Places& places);
 
 // Gives the made styles these places: those of another daemon whose motions go on here, which name
 // styles by their place. What that one has not is taken out, but not of the library. Refused, with
@@ -65,6 +69,9 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config);
 // CheckNewName, a name that is taken, and a style that the configuration's presets, cues or [style]
 // name.
 Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config);
+
+// Takes the style of this number, one that was made, out of the list.
+void RetireStyle(int number, RuntimeConfig& config);
 
 // Takes a made style out; performers that show it fade. Refuses a style that the configuration
 // names.

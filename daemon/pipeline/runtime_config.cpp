@@ -73,6 +73,7 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   made->presets = config.presets;
   if (running != nullptr && made->network == running->network) {
     made->made = running->made;
+    made->retired = running->retired;
     made->last_place = running->last_place;
     made->kept = running->kept;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -22,13 +23,16 @@ namespace styled::pipeline {
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
   std::shared_ptr<const net::Stylizer> loaded;  // the same without styles that were added
-  int own_styles = 0;             // of the weights files; those behind it were added (placing.h)
-  int last_place = 0;             // of a style that was added
-  MadeStyles made;                // the latter, by name, but those that are retired
-  std::string weights_name;       // file names, for status
-  std::uint32_t weights_crc = 0;  // of all their bytes
-  std::string weights_hash;       // of the file whose network makes styles of examples
-  std::set<std::string> kept;     // of `made`, those that the library has (library.h)
+  int own_styles = 0;  // of the weights files; those behind it were added (placing.h)
+  int last_place = 0;  // of a style that was added
+  MadeStyles made;     // the latter, by name, but those that are retired
+  // What was in the places of retired styles, by number in the network: performers may still fade
+  // out from it.
+  std::map<int, std::shared_ptr<const MadeStyle>> retired;
+  std::string weights_name;             // file names, for status
+  std::uint32_t weights_crc = 0;        // of all their bytes
+  std::string weights_hash;             // of the file whose network makes styles of examples
+  std::set<std::string> kept;           // of `made`, those that the library has (library.h)
   std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
   config::Performers performers;
   config::Style style;

@@ -11,7 +11,7 @@
 namespace styled::standby {
 namespace {
 
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 // A clock that no machine has, and a number of messages that no daemon reaches: 146 years of
 // nanoseconds.
 constexpr std::int64_t kMostTime_ns = std::int64_t{1} << 62U;
@@ -49,6 +49,7 @@ constexpr const char* kSettings = "settings";
 constexpr const char* kNobody = "";
 
 std::string OfStyle(const std::string& name) { return "style " + name; }
+std::string OfFading(std::uint32_t place) { return "style in place " + std::to_string(place); }
 
 // What an entry is about, for messages.
 std::string TitleOf(const v1::Journal& entry) {
@@ -413,6 +414,7 @@ bool Standby::Begin(const v1::Journal& entry) {
   why_not_.clear();
   awaited_ = {kSettings};
   for (const std::string& style : entry.beginning().styles()) awaited_.insert(OfStyle(style));
+  for (const std::uint32_t place : entry.beginning().fading()) awaited_.insert(OfFading(place));
   sync_ = Sync::kFetching;
   last.clear();
   return true;
@@ -424,7 +426,9 @@ void Standby::SettingsRestored(const v1::SettingsPart& part) {
   Restored(kSettings);
 }
 
-void Standby::StyleRestored(const std::string& name) { Restored(OfStyle(name)); }
+void Standby::StyleRestored(const v1::StylePart& part) {
+  Restored(part.has_fading() ? OfFading(part.fading()) : OfStyle(part.name()));
+}
 
 void Standby::Restored(const std::string& performer) {
   awaited_.erase(performer);

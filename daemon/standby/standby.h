@@ -113,7 +113,7 @@ class Standby {
   bool fetches() const { return sync_ == Sync::kFetching; }
   // The last part of the settings was taken over; the performers' checkpoints are to come.
   void SettingsRestored(const v1::SettingsPart& last);
-  void StyleRestored(const std::string& name);
+  void StyleRestored(const v1::StylePart& part);
   void Restored(const std::string& performer);
   // A part of the state could not be taken over, or something not be repeated: what is here is not
   // the leader's state, until it was fetched again.

@@ -24,6 +24,11 @@ Mixer::Slot& Mixer::SlotFor(int style) noexcept {
   return *best;
 }
 
+bool Mixer::Names(int style) const noexcept {
+  return style == input_style_ || style == next_input_style_ ||
+         std::ranges::any_of(slots_, [style](const Slot& slot) { return slot.style == style; });
+}
+
 void Mixer::Carry(Checkpoint& c, int style_count) noexcept {
   for (Slot& slot : slots_) {
     c.Within(slot.style, -1, style_count - 1);

@@ -29,6 +29,8 @@ class Mixer {
   bool fading() const { return fading_ || variation_.fading(); }
   // No style is in effect and none is fading in.
   bool empty() const { return count_ == 0 && (input_style_ == 0 || presence_.value == 0); }
+  // Whether the style is in effect, is faded in or out, or is the performer's own.
+  bool Names(int style) const noexcept;
   // The style that the performer is assumed to move in. A new one is used at once; neutral only
   // after the fade.
   int input_style() const { return input_style_; }

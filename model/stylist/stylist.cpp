@@ -135,6 +135,7 @@ void Stylist::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
 void Stylist::Rest(bool rests) noexcept { impl_->rests = rests; }
 
 const Settings& Stylist::settings() const { return impl_->settings; }
+bool Stylist::Names(int style) const noexcept { return impl_->mixer.Names(style); }
 
 bool Stylist::has_neutral() const { return impl_->Reference() != nullptr; }
 

@@ -81,6 +81,8 @@ class Stylist {
   // pass Validate.
   STYLED_REALTIME void Set(const Settings& settings) noexcept;
   const Settings& settings() const;
+  // Whether the style is in effect, is faded in or out, or is the performer's own.
+  bool Names(int style) const noexcept;
   // The performer's neutral. What is known of it, to be kept, and from where this stylist goes on:
   // what an earlier one, or a whole clip, has told. Nothing is known with a network that has no
   // reference, and without Options::neutral.

@@ -51,6 +51,8 @@ class Performer {
   std::optional<KeptNeutral> TellNeutral() const;
   // True once after a calibration of the neutral has ended; calibrated() tells how.
   bool PopNeutralCalibrated() noexcept;
+  // Whether their motion names the style (Stylist::Names).
+  bool Names(int style) const { return styling_ && styling_->stylist().Names(style); }
   bool calibrated() const { return styling_ && styling_->stylist().neutral().calibrated(); }
   const PerformerBinding& binding() const { return binding_; }
   // The last frame has props that belong to all performers of the source.

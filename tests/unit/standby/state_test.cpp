@@ -77,17 +77,19 @@ class StateTest : public PairTest {
       Send(rig_.Frame());
       for (int ms = 0; ms < 8; ++ms) {
         if (a_ != nullptr) files_a_.Turn(*a_);
-        files_b_.Turn(*b_);
+        if (b_ != nullptr) files_b_.Turn(*b_);
         Turn(1);
       }
     }
   }
   // A Like of a variation, as an operator gives it to a.
-  void Like(const std::string& name, int seed, const std::string& performer) {
+  void Like(const std::string& name, int seed, const std::string& performer,
+            float transition_ms = 100) {
     auto exchange = std::make_unique<pipeline::Exchange>();
     exchange->request.set_performer(performer);
     auto& like = *exchange->request.mutable_like();
     like.set_name(name);
+    like.set_transition_ms(transition_ms);
     const auto& styles = files_a_.running->network->model().styles;
     like.mutable_vary()->set_style(styles[static_cast<std::size_t>(1 + seed % 4)].name);
     like.mutable_vary()->set_seed(static_cast<std::uint64_t>(seed));
@@ -160,7 +162,8 @@ TEST_F(StateTest, StylesThatChangeAllTheTimeChangeAtTheLeadersFrame) {
   EXPECT_EQ(after.different() - before.different(), 0U);
   EXPECT_EQ(after.fetched(), before.fetched());
   EXPECT_EQ(files_b_.running->made.size(), files_a_.running->made.size());
-  EXPECT_TRUE(pipeline::PlacesOf(*files_b_.running) == pipeline::PlacesOf(*files_a_.running));
+  EXPECT_TRUE(pipeline::PlacesOf(*files_b_.running).entries ==
+              pipeline::PlacesOf(*files_a_.running).entries);
 }
 
 // The files thread of the standby hangs: the frames go on there, and it says why it is not ready.
@@ -210,6 +213,30 @@ TEST_F(StateTest, ALeaderThatDiesWhileAStyleIsMadeAtTheStandbyLosesNothing) {
   EXPECT_TRUE(files_b_.running->made.contains("s"));
 }
 
+// Each time the style gets another place, and the performer fades over for a minute: out of places
+// that no style has any more.
+TEST_F(StateTest, AStandbyThatComesLaterFadesOutOfReplacedStylesAsTheLeaderDoes) {
+  config_ = WithStyles(2, 10);
+  a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics);
+  Turn(1200);
+  files_a_.running = files_b_.running = config_;
+  Send(rig_.Body());
+  FramesAndFiles(10);
+  for (int i = 0; i < 5; ++i) {
+    Like("s", i, "rig.a", 60'000);
+    FramesAndFiles(10);
+  }
+  StartB(config_);
+  FramesAndFiles(250);  // three states, and then one a second
+  ASSERT_TRUE(b_->State().ready()) << b_->State().why_not();
+  const auto before = b_->State();
+  FramesAndFiles(100);
+  const auto after = b_->State();
+  EXPECT_GT(after.compared() - before.compared(), 80U);
+  EXPECT_EQ(after.different() - before.different(), 0U);
+  EXPECT_EQ(after.apart() - before.apart(), 0U);
+}
+
 // The other daemon leads by now, which has not got the style: nobody is told that it is made.
 TEST_F(StateTest, AStyleThatIsMadeWhileTheLeadIsLostIsRefused) {
   Begin(WithStyles(2, 10), WithStyles(2, 10));
@@ -232,7 +259,8 @@ TEST_F(StateTest, AStyleThatIsMadeWhileTheLeadIsLostIsRefused) {
   EXPECT_EQ(exchange->reply.code(), v1::CODE_STANDBY);
   EXPECT_FALSE(exchange->reply.has_like());
   EXPECT_TRUE(a_->State().ready()) << a_->State().why_not();
-  EXPECT_TRUE(pipeline::PlacesOf(*files_b_.running) == pipeline::PlacesOf(*files_a_.running));
+  EXPECT_TRUE(pipeline::PlacesOf(*files_b_.running).entries ==
+              pipeline::PlacesOf(*files_a_.running).entries);
 }
 
 TEST_F(StateTest, AStyleThatNoMessageHoldsIsNamedInsteadAndOneLeads) {
