@@ -25,12 +25,19 @@ Status ReadLogin(const std::string& file, LinkOptions& link) {
   return Status::Ok();
 }
 
-// The address without the user and the password that may stand before an @: errors are logged.
-std::string WithoutUser(const std::string& server) {
+// The address for a message, which is logged: without a user and password before an @, and without
+// what may follow the port, such as ?token=.
+std::string WithoutSecrets(const std::string& server) {
+  const std::size_t slashes = server.find("//");
+  const std::size_t host = slashes == std::string::npos ? 0 : slashes + 2;
   const std::size_t at = server.rfind('@');
-  if (at == std::string::npos) return server;
-  const std::size_t scheme = server.find("//");
-  return (scheme < at ? server.substr(0, scheme + 2) : "") + "..." + server.substr(at);
+  const bool user = at != std::string::npos && at >= host;
+  std::string shown =
+      server.substr(0, host) + (user ? "..." + server.substr(at) : server.substr(host));
+  if (const std::size_t more = shown.find_first_of("/?#", host); more != std::string::npos) {
+    shown.replace(more, std::string::npos, "...");
+  }
+  return shown;
 }
 
 }  // namespace
@@ -70,7 +77,7 @@ Status Complete(const std::string& login, LinkOptions& options) {
 Status CheckServer(const std::string& server) {
   const bool tls = server.starts_with("tls://");
   const auto fail = [&server](const std::string& what) {
-    return Status::Error("--nats '" + WithoutUser(server) + "': " + what +
+    return Status::Error("--nats '" + WithoutSecrets(server) + "': " + what +
                          "; expected nats://HOST:PORT or tls://HOST:PORT");
   };
   if (!tls && !server.starts_with("nats://")) return fail("neither nats:// nor tls://");
@@ -78,6 +85,7 @@ Status CheckServer(const std::string& server) {
   if (rest.find('@') != std::string::npos) {
     return fail("a user in the address is seen by everyone on this machine: --nats-login FILE");
   }
+  if (rest.find_first_of("/?#") != std::string::npos) return fail("something follows the port");
   const std::size_t colon = rest.rfind(':');
   const std::string port = colon == std::string::npos ? "" : rest.substr(colon + 1);
   if (colon == 0 || colon == std::string::npos) return fail("host or port is missing");

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/base/text.h"
 #include "model/rig/dialect_rests.h"
 #include "model/rig/tail.h"
 
@@ -28,6 +29,8 @@ struct Dialect {
   std::string_view name;
   Rest rest;
 };
+constexpr std::size_t kMaxShown = 80;  // bytes of a name that is given
+
 constexpr Dialect kDialects[] = {
     {"bandai-namco", Rest::kBandaiNamco},
     {"cmu", Rest::kCmu},
@@ -279,8 +282,8 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
   const Dialect* const row = FindDialect(name);
   Rest rest = row != nullptr ? row->rest : Rest::kIdentity;
   if (!IsDialect(dialect)) {
-    return Status::Error("rig: found dialect " + std::string(dialect) + ", expected one of " +
-                         KnownDialects());
+    return Status::Error("rig: found dialect " + Printable(dialect, kMaxShown) +
+                         ", expected one of " + KnownDialects());
   }
 
   const auto mapped = MapJoints(skeleton, given);

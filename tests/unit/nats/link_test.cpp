@@ -26,6 +26,9 @@ TEST(NatsLink, RefusesEachBadAddress) {
       {"nats://host:99999999999", "is no port"},
       {"nats://user:secret@host:4222", "--nats-login"},
       {"http://user:secret@host:4222", "neither nats:// nor tls://"},
+      {"nats://host:4222?token=secret", "something follows the port"},
+      {"nats://host:4222/secret", "something follows the port"},
+      {"host?token=secret", "neither nats:// nor tls://"},
       {"user:sec@secret@host", "neither nats:// nor tls://"},
   };
   for (const auto& row : rows) {

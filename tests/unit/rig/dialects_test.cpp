@@ -24,6 +24,8 @@ std::string Refusal(const Skeleton& skeleton, std::string_view dialect = "auto")
 TEST(DialectsRefuse, ADialectTheyDoNotKnowAndNameThoseTheyDo) {
   const std::string refusal = Refusal(HumanoidSkeleton(), "klingon");
   EXPECT_THAT(refusal, HasSubstr("found dialect klingon"));
+  EXPECT_THAT(Refusal(HumanoidSkeleton(), "\x1b]0;x\a"),
+              HasSubstr("found dialect \\x1b]0;x\\x07,"));
   EXPECT_THAT(refusal, HasSubstr("bandai-namco"));
 }
 
