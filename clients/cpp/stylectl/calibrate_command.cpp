@@ -57,16 +57,18 @@ void ReportText(Session& session, const v1::CalibrateReply& reply, bool forgotte
   session.out << "\n";
 }
 
-// The row of the session's performer; none where they are gone.
-std::optional<v1::NeutralStats> NeutralOf(Session& session) {
+// Asks for the row of the session's performer; none where they are gone.
+client::CallStatus AskNeutral(Session& session, std::optional<v1::NeutralStats>& neutral) {
+  neutral.reset();
   v1::StatusReply status;
-  if (!session.control().Status(&status).ok()) return std::nullopt;
+  client::CallStatus asked = session.control().Status(&status);
+  if (!asked.ok()) return asked;
   for (const auto& performer : status.stats().performers()) {
     if (performer.performer() == session.performer && performer.has_neutral()) {
-      return performer.neutral();
+      neutral = performer.neutral();
     }
   }
-  return std::nullopt;
+  return asked;
 }
 
 // Waits until the performer has shown themselves, and tells what came of it.
@@ -77,7 +79,8 @@ int AwaitNeutral(Session& session, float seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<float>(seconds + 5);
   do {
     std::this_thread::sleep_for(std::chrono::milliseconds(250));
-    neutral = NeutralOf(session);
+    const client::CallStatus asked = AskNeutral(session, neutral);
+    if (!asked.ok()) return session.Fail(asked);
   } while (neutral && neutral->calibrates_s() > 0 && std::chrono::steady_clock::now() < end);
   const bool done = neutral && neutral->calibrated();
   if (session.json) {
