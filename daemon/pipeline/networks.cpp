@@ -67,13 +67,13 @@ Result<Networks> ReadNetworks(const config::Model& model,
   if (!files.ok()) return files.status();
   Networks networks;
   std::vector<std::vector<std::byte>> contents;
-  std::vector<std::uint32_t> crcs, parts;
+  std::vector<std::uint32_t> tensors, parts;
   bool any_rounded = false;
   for (const std::filesystem::path& file : files.value()) {
     auto bytes = net::ReadFile(file);
     if (!bytes.ok()) return bytes.status();
-    crcs.push_back(native::Crc32c(bytes.value()));
-    parts.push_back(crcs.back());
+    tensors.push_back(native::Crc32c(net::TensorBytes(bytes.value())));
+    parts.push_back(native::Crc32c(bytes.value()));
     const std::string rounded = RoundedTo(model, bytes.value());
     // Weights that are rounded are others: no checkpoint of one network fits the other.
     if (!rounded.empty()) parts.push_back(native::Crc32c(std::as_bytes(std::span(rounded))));
@@ -104,7 +104,7 @@ Result<Networks> ReadNetworks(const config::Model& model,
   }
   // As several.h: the first that has a space.
   const bool first = named.front().network->space() != nullptr;
-  networks.examples_hash = HashText(first ? crcs.front() : crcs.back());
+  networks.examples_hash = HashText(first ? tensors.front() : tensors.back());
   auto network = net::Combine(std::move(named));
   if (!network.ok()) return Status::Error("model.examples: " + network.status().message());
   networks.network = std::move(network.value());

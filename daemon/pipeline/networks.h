@@ -28,10 +28,12 @@ Result<WeightsLabel> LabelOf(const config::Model& model,
 // Their networks as one (model/net/several).
 struct Networks {
   std::shared_ptr<const net::Stylizer> network;
-  int own_styles = 0;         // of the files
-  std::string names;          // as in WeightsLabel
-  std::string examples_hash;  // CRC-32C of the file whose network makes styles of examples
-  std::uint32_t crc = 0;      // of all bytes, and of what they are rounded to
+  int own_styles = 0;  // of the files
+  std::string names;   // as in WeightsLabel
+  // CRC-32C of the tensors of the file whose network makes styles of examples: these stay what they
+  // are where the file tells something else of its styles.
+  std::string examples_hash;
+  std::uint32_t crc = 0;  // of all bytes, and of what they are rounded to
 };
 
 // Reads and tries them (model/trial). Where weights run whose bytes have the CRC-32C `running_crc`

@@ -31,7 +31,7 @@ struct RuntimeConfig {
   std::map<int, std::shared_ptr<const MadeStyle>> retired;
   std::string weights_name;             // file names, for status
   std::uint32_t weights_crc = 0;        // of all their bytes
-  std::string weights_hash;             // of the file whose network makes styles of examples
+  std::string weights_hash;             // Networks::examples_hash
   std::set<std::string> kept;           // of `made`, those that the library has (library.h)
   std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
   config::Performers performers;

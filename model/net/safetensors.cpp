@@ -160,6 +160,14 @@ Result<SafetensorsView> ParseSafetensors(std::span<const std::byte> file, const 
   return view;
 }
 
+std::span<const std::byte> TensorBytes(std::span<const std::byte> file) {
+  std::uint64_t header = 0;
+  if (file.size() < kLengthBytes) return {};
+  std::memcpy(&header, file.data(), kLengthBytes);
+  return header > file.size() - kLengthBytes ? std::span<const std::byte>()
+                                             : file.subspan(kLengthBytes + header);
+}
+
 Result<std::vector<std::byte>> ReadFile(const std::filesystem::path& file) {
   std::error_code code;
   const auto status = std::filesystem::status(file, code);

@@ -219,7 +219,7 @@ Result<Session> Open(const Arguments& arguments) {
   const auto bytes = net::ReadFile(weights.value());
   if (!bytes.ok()) return bytes.status();
   char hash[32];
-  std::snprintf(hash, sizeof hash, "crc32c:%08x", native::Crc32c(bytes.value()));
+  std::snprintf(hash, sizeof hash, "crc32c:%08x", native::Crc32c(net::TensorBytes(bytes.value())));
   Result<LoadedStudent> network = ReadStudent(weights.value());
   if (!network.ok()) return network.status();
   session.network = std::move(network.value());

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 
@@ -187,6 +188,10 @@ TEST(Safetensors, OtherMetadataLeavesTheTensorsAsTheyAre) {
   EXPECT_EQ(view.value().tensors.size(), 2U);
   EXPECT_EQ(other.value(), SerializeSafetensors(tensors, metadata)) << "in the same order, too";
   EXPECT_FALSE(WithMetadata(std::span(file).first(20), metadata, "file").ok());
+  EXPECT_TRUE(std::ranges::equal(TensorBytes(file), TensorBytes(other.value())));
+  EXPECT_EQ(TensorBytes(file).size(), 3 * sizeof(float));
+  EXPECT_TRUE(TensorBytes(std::span(file).first(7)).empty());
+  EXPECT_TRUE(TensorBytes(std::span(file).first(20)).empty()) << "a header that says it is longer";
 }
 
 }  // namespace
