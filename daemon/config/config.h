@@ -91,11 +91,13 @@ struct Ipc {
   friend bool operator==(const Ipc&, const Ipc&) = default;
 };
 
+inline constexpr int kMostHighWaterMark = 100'000;
+
 struct Publish {
   std::string address = "tcp://127.0.0.1:7001";
   bool allow_unauthenticated_remote = false;
   Ipc ipc;
-  int high_water_mark = 64;
+  int high_water_mark = 64;  // messages, 1 to kMostHighWaterMark
   int send_buffer_bytes = 65536;
   int max_subscriptions = 1024;
   bool canary = true;

@@ -211,7 +211,7 @@ std::vector<Section> MakeSections() {
         Mode("ipc_mode", STYLED_FIELD(publish.ipc.mode)),
         Users("ipc_users", STYLED_FIELD(publish.ipc.users)),
         Flag<C>("allow_unauthenticated_remote", STYLED_FIELD(publish.allow_unauthenticated_remote)),
-        Integer<C>("high_water_mark", 1, 100000, STYLED_FIELD(publish.high_water_mark)),
+        Integer<C>("high_water_mark", 1, kMostHighWaterMark, STYLED_FIELD(publish.high_water_mark)),
         Integer<C>("send_buffer_bytes", 4096, kGiB, STYLED_FIELD(publish.send_buffer_bytes)),
         Integer<C>("max_subscriptions", 1, 100000, STYLED_FIELD(publish.max_subscriptions)),
         Flag<C>("canary", STYLED_FIELD(publish.canary))}},

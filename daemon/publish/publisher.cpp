@@ -1,5 +1,6 @@
 #include "daemon/publish/publisher.h"
 
+#include <algorithm>
 #include <cerrno>
 
 #include "daemon/publish/watch.h"
@@ -14,9 +15,14 @@ using runtime::Counter;
 class ZmqPublisher final : public Publisher {
  public:
   // `access` may be null.
-  ZmqPublisher(runtime::ZmqSocket socket, security::Access* access, runtime::Counters& counters,
-               std::unique_ptr<Watch> watch)
-      : socket_(std::move(socket)), access_(access), counters_(counters), watch_(std::move(watch)) {
+  ZmqPublisher(runtime::ZmqSocket socket, int room, security::Access* access,
+               runtime::Counters& counters, std::unique_ptr<Watch> watch)
+      : socket_(std::move(socket)),
+        usual_room_(static_cast<std::size_t>(room)),
+        room_(room),
+        access_(access),
+        counters_(counters),
+        watch_(std::move(watch)) {
     zmq_msg_init(&message_);
   }
   ~ZmqPublisher() override { zmq_msg_close(&message_); }
@@ -29,6 +35,16 @@ class ZmqPublisher final : public Publisher {
     }
     counters_.Add(Counter::kPublishMessages);
     if (watch_->canary() != nullptr) watch_->canary()->NoteSent(topic);
+  }
+
+  // Never less again: libzmq's reader tells the writer of what it has read once in half a queue, of
+  // the length that it had then, and a writer to a shorter one would wait for that for ever.
+  void MakeRoom(std::size_t messages) override {
+    const int wanted =
+        static_cast<int>(std::min(messages + usual_room_, std::size_t{config::kMostHighWaterMark}));
+    if (wanted <= room_) return;
+    socket_.Set(ZMQ_SNDHWM, wanted);
+    room_ = wanted;
   }
 
   bool NextSubscription(SubscriptionEvent& event) override {
@@ -60,6 +76,8 @@ class ZmqPublisher final : public Publisher {
   }
 
   runtime::ZmqSocket socket_;
+  std::size_t usual_room_;  // messages in a subscriber's queue, high_water_mark
+  int room_;                // what MakeRoom has made of it
   security::Access* access_;
   runtime::Counters& counters_;
   std::unique_ptr<Watch> watch_;
@@ -97,7 +115,8 @@ Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config:
   const Status status = socket.Bind(config.address, "publish.address", endpoint, ipc.value());
   if (!status.ok()) return status;
   return std::unique_ptr<Publisher>(std::make_unique<ZmqPublisher>(
-      std::move(socket), keeper == nullptr ? nullptr : &keeper->access(), counters,
+      std::move(socket), config.high_water_mark, keeper == nullptr ? nullptr : &keeper->access(),
+      counters,
       std::make_unique<Watch>(std::move(canary), config.high_water_mark, endpoint, counters)));
 }
 

@@ -28,6 +28,8 @@ class HeldPublisher final : public publish::Publisher {
   bool NextSubscription(publish::SubscriptionEvent& event) override {
     return to_.NextSubscription(event);
   }
+  void MakeRoom(std::size_t messages) override { to_.MakeRoom(messages); }
+  std::size_t kept() const { return kept_.size(); }
   int fd() const override { return to_.fd(); }
 
   void Hold() { holds_ = true; }

@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -29,20 +30,24 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using testing::HasSubstr;
 
-// A rig on a thread of its own, at 120 Hz.
+// Rigs on a thread of their own, at 120 Hz.
 class Sender {
  public:
-  explicit Sender(const std::vector<std::string>& addresses) {
+  explicit Sender(const std::vector<std::string>& addresses,
+                  const std::vector<std::string>& performers = {"a"}) {
     for (const auto& address : addresses) links_.push_back(std::make_unique<UdpLink>(address));
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      Rig rig("a");
+    thread_ = std::jthread([this, performers](const std::stop_token& stop) {
+      std::vector<Rig> rigs;
+      for (const std::string& performer : performers) rigs.emplace_back(performer);
       auto due = Clock::now();
       for (int i = 0; !stop.stop_requested(); ++i) {
-        const Bytes body = i % 120 == 0 ? rig.Body() : Bytes();
-        const Bytes frame = rig.Frame();
-        for (const auto& link : links_) {
-          if (!body.empty()) link->Send(body);
-          link->Send(frame);
+        for (Rig& rig : rigs) {
+          const Bytes body = i % 120 == 0 ? rig.Body() : Bytes();
+          const Bytes frame = rig.Frame();
+          for (const auto& link : links_) {
+            if (!body.empty()) link->Send(body);
+            link->Send(frame);
+          }
         }
         due += std::chrono::nanoseconds(1'000'000'000 / 120);
         std::this_thread::sleep_until(due);
@@ -139,8 +144,9 @@ class StandbyTest : public testing::Test {
   }
   std::unique_ptr<Daemon> Pair(int own) const {
     Daemon probe;  // finds free ports
-    const auto fixed = Fixed(probe);
+    auto fixed = Fixed(probe);
     probe.Stop();
+    fixed.emplace_back("publish.high_water_mark=64");  // as a user has it
     return std::make_unique<Daemon>(fixed, Standby(own));
   }
   static v1::StandbyState State(const Daemon& daemon) {
@@ -237,6 +243,38 @@ TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
   EXPECT_EQ(viewer.missed(), 0U);
   ExpectWhole(viewer, witness);
   EXPECT_EQ(viewer.frames().rbegin()->second.styles(0).style(), "style2");
+}
+
+// With the shortest queues that a user has: what the standby sends at once is four times as much.
+TEST_F(StandbyTest, OfFourPerformersNoFrameIsLostEither) {
+  std::vector<std::string> performers;
+  for (int i = 0; i < 4; ++i) performers.push_back("p" + std::to_string(i));
+  pair_[0].reset();
+  for (int own = 0; own < 2; ++own) pair_[static_cast<std::size_t>(own)] = Pair(own);
+  Settle();
+  Viewer viewer({pair_[0]->publish, pair_[1]->publish});
+  Sender sender({pair_[0]->udp, pair_[1]->udp}, performers);
+  while (viewer.size() < 60 * performers.size()) Sleep(0.02);
+  for (int round = 0; round < 2; ++round) {
+    Daemon& leader = Leader();
+    Daemon& standby = Other(leader);
+    ASSERT_TRUE(Becomes(standby, "following"));
+    ASSERT_TRUE(viewer.HasBoth());
+    Sleep(0.3);  // its subscriptions come behind the connection
+    const std::size_t before = viewer.size();
+    leader.child->Signal(SIGKILL);
+    leader.child->Wait(5);
+    ASSERT_TRUE(Becomes(standby, "leading"));
+    for (int i = 0; i < 500 && viewer.size() < before + 60 * performers.size(); ++i) Sleep(0.01);
+    leader.Start();
+  }
+  EXPECT_EQ(viewer.missed(), 0U);
+  std::map<std::string, std::set<std::uint64_t>> seen;
+  for (const v1::Frame& frame : viewer.all()) seen[frame.performer()].insert(frame.sequence());
+  EXPECT_EQ(seen.size(), performers.size());
+  for (const auto& [performer, sequences] : seen) {
+    EXPECT_EQ(*sequences.rbegin() - *sequences.begin() + 1, sequences.size()) << performer;
+  }
 }
 
 TEST_F(StandbyTest, AGoodbyeAndAWishTakeNoFrameEither) {

@@ -174,7 +174,7 @@ TEST_F(StateTest, AStandbyWhoseFilesHangGoesOnWithoutTheStyle) {
   FramesAndFiles(20);
   files_b_.turns = 1'000'000;
   Like("s", 1, "rig.a");
-  FramesAndFiles(60);
+  FramesAndFiles(40);
   EXPECT_TRUE(b_->State().ready()) << "it waits for half a second";
   FramesAndFiles(120);
   EXPECT_FALSE(b_->State().ready());
