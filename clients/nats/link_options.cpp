@@ -66,7 +66,7 @@ Status Complete(const std::string& login, LinkOptions& options) {
     return Status::Error("--nats-login and --nats-creds: expected one of them");
   }
   if (!login.empty()) {
-    if (const Status status = ReadLogin(login, options); !status.ok()) return status;
+    if (Status status = ReadLogin(login, options); !status.ok()) return status;
   }
   if (!options.credentials.empty() && !std::ifstream(options.credentials)) {
     return Status::Error("--nats-creds " + options.credentials + ": cannot be read");

@@ -110,7 +110,7 @@ TEST_F(PipelineTest, WhatAStrangerSentIsQuotedWithoutControlCharacters) {
   Deliver({rig_.Datagram(native::Kind::kBody, body.SerializeAsString())});
   Event event;
   ASSERT_TRUE(mailboxes_.events.Pop(event));
-  EXPECT_NE(event.text.find("found dialect a?b?[31m"), std::string::npos) << event.text;
+  EXPECT_NE(event.text.find("found dialect a\\nb\\x1b[31m"), std::string::npos) << event.text;
 }
 
 TEST_F(PipelineTest, UpToTheBacklogAllLateFramesArePublishedBeyondItTheNewestOnly) {
