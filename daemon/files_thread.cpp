@@ -7,8 +7,9 @@
 #include <chrono>
 #include <utility>
 
-#include "daemon/pipeline/keeping.h"
+#include "daemon/looks/state_file.h"
 #include "daemon/standby/standby.h"
+#include "daemon/styles/make_config.h"
 
 namespace styled {
 namespace {

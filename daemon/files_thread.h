@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/looks/mailboxes.h"
+#include "daemon/looks/runtime_config.h"
 #include "daemon/origin.h"
-#include "daemon/pipeline/mailboxes.h"
-#include "daemon/pipeline/runtime_config.h"
-#include "daemon/pipeline/style_requests.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/notify.h"
+#include "daemon/styles/style_requests.h"
 
 namespace styled {
 

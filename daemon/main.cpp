@@ -16,6 +16,7 @@
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/notify.h"
 #include "daemon/runtime/realtime.h"
+#include "daemon/styles/make_config.h"
 #include "daemon/supervisor.h"
 #include "model/base/text.h"
 

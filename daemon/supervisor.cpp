@@ -20,11 +20,12 @@
 #include <thread>
 
 #include "daemon/config/machine.h"
-#include "daemon/pipeline/keeping.h"
-#include "daemon/pipeline/networks.h"
+#include "daemon/looks/state_file.h"
 #include "daemon/runtime/journal.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/open.h"
+#include "daemon/styles/make_config.h"
+#include "daemon/styles/networks.h"
 #include "model/base/descriptor.h"
 #include "model/base/random_id.h"
 #include "model/base/read_file.h"

@@ -44,13 +44,15 @@ ROWS = {
     "proto/styled": "model/base model/body",
     # The daemon: a folder includes only folders further down.
     "daemon": "daemon model proto",
-    "daemon/control": "daemon/pipeline daemon/security daemon/config daemon/runtime proto model/base"
+    "daemon/control": "daemon/styles daemon/looks daemon/security daemon/config daemon/runtime proto model/base"
                       " model/body",
-    "daemon/replay": "daemon/pipeline daemon/source daemon/config daemon/runtime proto model",
+    "daemon/replay": "daemon/pipeline daemon/styles daemon/looks daemon/source daemon/config daemon/runtime proto model",
     "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
                       " proto/styled proto/rigs/native model/base model/body",
-    "daemon/pipeline": "daemon/standby daemon/record daemon/publish daemon/source daemon/config daemon/runtime proto"
-                       " model",
+    "daemon/pipeline": "daemon/styles daemon/looks daemon/standby daemon/record daemon/publish daemon/source"
+                       " daemon/config daemon/runtime proto model",
+    "daemon/styles": "daemon/looks daemon/config daemon/runtime proto model",
+    "daemon/looks": "daemon/publish daemon/config daemon/runtime proto/styled model",
     "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
     "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
     "daemon/source": "daemon/config daemon/runtime proto model/devices " + STAGES,

@@ -138,7 +138,7 @@ struct Performers {
 
 struct Style {
   std::string initial;  // a preset or a style; "" = bypass
-  std::string library;  // a folder (pipeline/library.h); "" = none
+  std::string library;  // a folder (styles/library.h); "" = none
   v1::Look look;        // what else differs from InitialLook(); no mix
 };
 

@@ -4,8 +4,8 @@
 #include <cerrno>
 
 #include "daemon/control/request_size.h"
-#include "daemon/pipeline/style_requests.h"
 #include "daemon/security/ipc.h"
+#include "daemon/styles/style_requests.h"
 
 namespace styled::control {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/control/osc_socket.h"
-#include "daemon/pipeline/mailboxes.h"
+#include "daemon/looks/mailboxes.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/zmq_socket.h"
 #include "daemon/security/gatekeeper.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/mailboxes.h"
+#include "daemon/looks/mailboxes.h"
 #include "model/base/descriptor.h"
 #include "model/base/status.h"
 

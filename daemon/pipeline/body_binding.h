@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
 #include "model/base/status.h"
 #include "model/rig/binding.h"
 #include "model/rig/dialects.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "daemon/pipeline/mailboxes.h"
+#include "daemon/looks/mailboxes.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"

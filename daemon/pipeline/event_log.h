@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "daemon/looks/mailboxes.h"
 #include "daemon/pipeline/log_limit.h"
-#include "daemon/pipeline/mailboxes.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/source/transport.h"

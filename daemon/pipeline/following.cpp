@@ -2,12 +2,12 @@
 // leader tells it (journaling.cpp), and goes on where that ends.
 #include <algorithm>
 
+#include "daemon/looks/state_file.h"
 #include "daemon/pipeline/checkpoints.h"
-#include "daemon/pipeline/keeping.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/placing.h"
-#include "daemon/pipeline/style_file.h"
-#include "daemon/pipeline/style_requests.h"
+#include "daemon/styles/style_file.h"
+#include "daemon/styles/style_list.h"
+#include "daemon/styles/style_requests.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {

@@ -1,10 +1,10 @@
 // What a leader with [standby] tells the other daemon (daemon/standby/README.md): what it handles,
 // and on demand its state. The other one repeats it (following.cpp).
-#include "daemon/pipeline/keeping.h"
+#include "daemon/looks/state_file.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/placing.h"
 #include "daemon/pipeline/setup.h"
-#include "daemon/pipeline/style_file.h"
+#include "daemon/styles/style_file.h"
+#include "daemon/styles/style_list.h"
 
 namespace styled::pipeline {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "daemon/pipeline/placing.h"
+#include "daemon/styles/style_list.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {

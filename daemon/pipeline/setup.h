@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/runtime_config.h"
 #include "proto/styled/v1/journal.pb.h"
 
 // What a daemon of a pair tells the other one of its configuration ([standby]): all that decides
 // the poses and which performers are styled. What may differ between two machines is not in it:
 // addresses, interfaces, serial numbers, limits of sockets, folders. Long values are hashes
-// (placing.h). Start and reload only; allocates. Pinned by tests/unit/standby/setup_test.cpp.
+// (style_list.h). Start and reload only; allocates. Pinned by tests/unit/standby/setup_test.cpp.
 namespace styled::pipeline {
 
 // A row per source: "source suit".

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "daemon/pipeline/like.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/styles/like.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/mailboxes.h"
+#include "daemon/looks/mailboxes.h"
 #include "daemon/pipeline/roster.h"
 #include "model/base/realtime.h"
 

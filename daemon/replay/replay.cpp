@@ -10,10 +10,7 @@
 #include <utility>
 
 #include "daemon/config/sources.h"
-#include "daemon/pipeline/keeping.h"
-#include "daemon/pipeline/networks.h"
-#include "daemon/pipeline/runtime_config.h"
-#include "daemon/pipeline/style_requests.h"
+#include "daemon/looks/state_file.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/host_port.h"
 #include "daemon/source/cut_reader.h"
@@ -21,6 +18,9 @@
 #include "daemon/source/native_decoder.h"
 #include "daemon/source/outbox.h"
 #include "daemon/source/rigs/make.h"
+#include "daemon/styles/make_config.h"
+#include "daemon/styles/networks.h"
+#include "daemon/styles/style_requests.h"
 #include "model/base/text.h"
 #include "proto/recording/writer.h"
 #include "proto/rigs/native/stream_reader.h"

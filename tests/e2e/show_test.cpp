@@ -8,7 +8,7 @@
 #include <array>
 #include <span>
 
-#include "daemon/pipeline/cues.h"
+#include "daemon/looks/cues.h"
 #include "proto/rigs/vmc/osc.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"

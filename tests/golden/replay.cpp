@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "daemon/pipeline/runtime_config.h"
 #include "daemon/replay/replay.h"
+#include "daemon/styles/make_config.h"
 
 namespace styled::golden {
 Result<Played> Replay(recording::Reader& reader, const std::string& weights,

@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "daemon/looks/profile.h"
 #include "daemon/pipeline/body_binding.h"
 #include "daemon/pipeline/pose_history.h"
-#include "daemon/pipeline/profile.h"
 #include "daemon/source/source_frame.h"
 #include "model/base/realtime.h"
 #include "model/base/status.h"

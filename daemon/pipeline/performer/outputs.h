@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/looks/runtime_config.h"
 #include "daemon/pipeline/body_binding.h"
 #include "daemon/pipeline/performer/carried_props.h"
 #include "daemon/pipeline/performer/retarget_stream.h"
 #include "daemon/pipeline/performer/styling.h"
-#include "daemon/pipeline/runtime_config.h"
 #include "daemon/publish/bundle.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/publisher.h"

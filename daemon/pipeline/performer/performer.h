@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/looks/profile.h"
+#include "daemon/looks/runtime_config.h"
 #include "daemon/pipeline/facing.h"
 #include "daemon/pipeline/performer/admission.h"
 #include "daemon/pipeline/performer/binding.h"
@@ -14,8 +16,6 @@
 #include "daemon/pipeline/performer/outputs.h"
 #include "daemon/pipeline/performer/smoothing.h"
 #include "daemon/pipeline/performer/styling.h"
-#include "daemon/pipeline/profile.h"
-#include "daemon/pipeline/runtime_config.h"
 #include "daemon/source/source_frame.h"
 #include "model/base/checkpoint.h"
 #include "model/stylist/stylist.h"

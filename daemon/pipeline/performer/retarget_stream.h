@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "daemon/looks/runtime_config.h"
 #include "daemon/pipeline/body_binding.h"
 #include "daemon/pipeline/performer/carried_props.h"
-#include "daemon/pipeline/runtime_config.h"
 #include "daemon/publish/frame_message.h"
 #include "daemon/publish/subscriptions.h"
 #include "model/base/checkpoint.h"

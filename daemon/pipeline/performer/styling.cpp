@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
 
 namespace styled::pipeline {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "daemon/looks/runtime_config.h"
 #include "daemon/pipeline/body_binding.h"
 #include "daemon/pipeline/facing.h"
-#include "daemon/pipeline/runtime_config.h"
 #include "daemon/runtime/counters.h"
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "daemon/pipeline/style_file.h"
+#include "daemon/styles/style_file.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/cues.h"
+#include "daemon/looks/cues.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

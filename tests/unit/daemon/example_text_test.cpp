@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "daemon/pipeline/library.h"
+#include "daemon/styles/library.h"
 #include "model/clip/clip.h"
 
 namespace styled::pipeline {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/keeping.h"
+#include "daemon/looks/state_file.h"
 #include "model/base/read_file.h"
 #include "model/base/text.h"
 #include "model/base/toml_nesting.h"

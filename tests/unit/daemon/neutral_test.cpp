@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/pipeline/keeping.h"
+#include "daemon/looks/state_file.h"
 #include "model/net/weights_file.h"
 #include "tests/support/fake_pipeline.h"
 #include "tests/unit/net/erd/random_weights.h"

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -11,6 +11,7 @@
 #include "daemon/source/rigs/mvn.h"
 #include "daemon/source/rigs/natnet.h"
 #include "daemon/source/rigs/rokoko.h"
+#include "daemon/styles/make_config.h"
 #include "model/clip/glb_write.h"
 #include "proto/recording/writer.h"
 #include "proto/rigs/natnet/packet.h"

@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "daemon/pipeline/keeping.h"
+#include "daemon/looks/state_file.h"
 #include "daemon/pipeline/pipeline.h"
 #include "model/base/text.h"
 #include "tests/support/child.h"

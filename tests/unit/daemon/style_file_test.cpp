@@ -1,5 +1,5 @@
 // The file of a style: what is read of it and written again, and what a client's file may cost.
-#include "daemon/pipeline/style_file.h"
+#include "daemon/styles/style_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "daemon/pipeline/placing.h"
-#include "daemon/pipeline/style_file.h"
-#include "daemon/pipeline/style_requests.h"
+#include "daemon/styles/style_file.h"
+#include "daemon/styles/style_list.h"
+#include "daemon/styles/style_requests.h"
 #include "model/net/load.h"
 #include "tests/unit/net/stgcn_causal/random_weights.h"
 #include "tests/unit/standby/pair_test.h"

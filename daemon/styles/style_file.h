@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/runtime_config.h"
 #include "model/base/status.h"
 
 // The file of a style that was made of an example, as the library keeps it and clients exchange it:

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/cues.h"
-#include "daemon/pipeline/made_style.h"
-#include "daemon/pipeline/retarget_output.h"
+#include "daemon/looks/cues.h"
+#include "daemon/looks/made_style.h"
+#include "daemon/looks/retarget_output.h"
 #include "model/base/status.h"
 #include "model/net/stylizer.h"
 #include "model/rig/dialects.h"
@@ -23,7 +23,7 @@ namespace styled::pipeline {
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
   std::shared_ptr<const net::Stylizer> loaded;  // the same without styles that were added
-  int own_styles = 0;  // of the weights files; those behind it were added (placing.h)
+  int own_styles = 0;  // of the weights files; those behind it were added (styles/style_list.h)
   int last_place = 0;  // of a style that was added
   MadeStyles made;     // the latter, by name, but those that are retired
   // What was in the places of retired styles, by number in the network: performers may still fade
@@ -32,7 +32,7 @@ struct RuntimeConfig {
   std::string weights_name;             // file names, for status
   std::uint32_t weights_crc = 0;        // of all their bytes
   std::string weights_hash;             // Networks::examples_hash
-  std::set<std::string> kept;           // of `made`, those that the library has (library.h)
+  std::set<std::string> kept;           // of `made`, those that the library has (styles/library.h)
   std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
   config::Performers performers;
   config::Style style;
@@ -44,14 +44,5 @@ struct RuntimeConfig {
   std::vector<config::PropHands> props;      // per source
   std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // as the [[output]] tables
 };
-
-// Reads the weights and the avatars that `config` names, and checks presets, cues and the initial
-// style against the weights. Errors name the key or the file and what was expected. `running`, or
-// null: unchanged parts of it are shared, so that performers need not restart; its weights are
-// shared if the file still has the CRC-32C `weights_crc`, which is updated. Blocks and allocates;
-// start-up and reload only.
-Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Config& config,
-                                                               const RuntimeConfig* running,
-                                                               std::uint32_t& weights_crc);
 
 }  // namespace styled::pipeline

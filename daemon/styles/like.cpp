@@ -1,4 +1,4 @@
-#include "daemon/pipeline/like.h"
+#include "daemon/styles/like.h"
 
 #include <deque>
 #include <string>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/placing.h"
+#include "daemon/styles/style_list.h"
 #include "model/base/text.h"
 #include "model/clip/clip.h"
 #include "model/clip/gltf_clip.h"

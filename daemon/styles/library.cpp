@@ -1,4 +1,4 @@
-#include "daemon/pipeline/library.h"
+#include "daemon/styles/library.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/placing.h"
-#include "daemon/pipeline/style_file.h"
+#include "daemon/styles/style_file.h"
+#include "daemon/styles/style_list.h"
 #include "model/base/hash.h"
 #include "model/base/read_file.h"
 #include "model/base/write_file.h"

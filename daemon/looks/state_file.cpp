@@ -1,4 +1,4 @@
-#include "daemon/pipeline/keeping.h"
+#include "daemon/looks/state_file.h"
 
 #include <toml++/toml.h>
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/runtime_config.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {

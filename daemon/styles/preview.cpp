@@ -1,4 +1,4 @@
-#include "daemon/pipeline/preview.h"
+#include "daemon/styles/preview.h"
 
 #include <algorithm>
 #include <array>

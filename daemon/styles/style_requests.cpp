@@ -1,14 +1,14 @@
-#include "daemon/pipeline/style_requests.h"
+#include "daemon/styles/style_requests.h"
 
 #include <chrono>
 #include <limits>
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/library.h"
-#include "daemon/pipeline/like.h"
-#include "daemon/pipeline/placing.h"
-#include "daemon/pipeline/style_file.h"
+#include "daemon/styles/library.h"
+#include "daemon/styles/like.h"
+#include "daemon/styles/style_file.h"
+#include "daemon/styles/style_list.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {

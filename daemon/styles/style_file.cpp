@@ -1,4 +1,4 @@
-#include "daemon/pipeline/style_file.h"
+#include "daemon/styles/style_file.h"
 
 #include <array>
 #include <charconv>

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "daemon/pipeline/mailboxes.h"
-#include "daemon/pipeline/preview.h"
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/mailboxes.h"
+#include "daemon/looks/runtime_config.h"
+#include "daemon/styles/preview.h"
 
 // The requests whose work is not the pipeline's: to make, exchange, rename, remove and show styles.
 namespace styled::pipeline {

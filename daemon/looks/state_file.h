@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
 #include "model/base/status.h"
 
 namespace styled::pipeline {

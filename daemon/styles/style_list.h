@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/made_style.h"
-#include "daemon/pipeline/refusal.h"
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/places.h"
+#include "daemon/looks/refusal.h"
+#include "daemon/looks/runtime_config.h"
 #include "model/net/styles.h"
 
 // Styles that are made while the daemon runs, among those of a configuration's network. Any thread;
@@ -39,23 +39,8 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
 // FindPlace, weights without a space of styles, and a code that does not fit them.
 Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
 
-// Places of retired styles beyond net::kMaxAdded, in which they fade out.
-inline constexpr int kSpare = 64;
-inline constexpr std::size_t kMostPlaces = std::size_t{net::kMaxAdded} + std::size_t{kSpare};
-
-// The list of styles behind those of the weights.
-struct Places {
-  struct Entry {
-    std::string name;
-    bool retired = false;  // the style was removed, or has another place by now
-    friend bool operator==(const Entry&, const Entry&) = default;
-  };
-  std::vector<Entry> entries;
-  int last = 0;  // RuntimeConfig::last_place
-  // By index of `entries`, what retired ones were from which performers still fade out.
-  std::map<std::size_t, std::shared_ptr<const MadeStyle>> fading;
-};
-Places PlacesOf(const RuntimeConfig& config);  // with all in `fading` that are known
+// The places of the configuration's styles, with all in `fading` that are known.
+Places PlacesOf(const RuntimeConfig& config);
 // Whether the configuration's styles have these places already, and those of `fading` the codes.
 bool HasPlaces(const RuntimeConfig& config, const Places& places);
 

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/retarget_output.h"
+#include "daemon/looks/retarget_output.h"
 
 #include <algorithm>
 #include <utility>

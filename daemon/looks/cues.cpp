@@ -1,11 +1,11 @@
-#include "daemon/pipeline/cues.h"
+#include "daemon/looks/cues.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdio>
 
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
 
 namespace styled::pipeline {
 namespace {

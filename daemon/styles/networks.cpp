@@ -1,9 +1,9 @@
-#include "daemon/pipeline/networks.h"
+#include "daemon/styles/networks.h"
 
 #include <span>
 #include <utility>
 
-#include "daemon/pipeline/placing.h"
+#include "daemon/styles/style_list.h"
 #include "model/net/load.h"
 #include "model/net/safetensors.h"
 #include "model/net/several.h"

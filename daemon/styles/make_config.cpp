@@ -1,10 +1,10 @@
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/styles/make_config.h"
 
 #include <utility>
 
-#include "daemon/pipeline/library.h"
-#include "daemon/pipeline/networks.h"
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
+#include "daemon/styles/library.h"
+#include "daemon/styles/networks.h"
 
 namespace styled::pipeline {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/placing.h"
-#include "daemon/pipeline/profile.h"
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/places.h"
+#include "daemon/looks/profile.h"
+#include "daemon/looks/runtime_config.h"
 #include "daemon/runtime/ring.h"
 #include "daemon/runtime/wakeup.h"
 #include "model/body/pose.h"

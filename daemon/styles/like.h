@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/runtime_config.h"
 #include "model/base/work_limit.h"
 #include "model/body/pose.h"
 #include "proto/styled/v1/control.pb.h"

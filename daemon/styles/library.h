@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/runtime_config.h"
+#include "daemon/looks/runtime_config.h"
 #include "model/base/status.h"
 #include "model/body/pose.h"
 

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/placing.h"
+#include "daemon/styles/style_list.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "daemon/pipeline/profile.h"
+#include "daemon/looks/profile.h"
 #include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 
