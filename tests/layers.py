@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Which folder may include which. Prints `FILE:LINE: INCLUDE: RULE` for each include that breaks a rule,
 or `N includes, R rules, held`. Before that it breaks each rule once, by an include that nobody wrote: a
-rule that does not notice is a failure too.
+rule that does not notice is a failure too. The table of daemon/README.md must say the same; `--write` writes
+it.
 
 A folder's row covers the folders below that have no row. A folder may include itself; what a row names
 means the folders below it, too. Generated and system headers are not looked at.
@@ -47,12 +48,12 @@ ROWS = {
     "daemon/control": "daemon/styles daemon/looks daemon/security daemon/config daemon/runtime proto model/base"
                       " model/body",
     "daemon/replay": "daemon/pipeline daemon/styles daemon/looks daemon/source daemon/config daemon/runtime proto model",
-    "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
-                      " proto/styled proto/rigs/native model/base model/body",
     "daemon/pipeline": "daemon/styles daemon/looks daemon/standby daemon/record daemon/publish daemon/source"
                        " daemon/config daemon/runtime proto model",
     "daemon/styles": "daemon/looks daemon/config daemon/runtime proto model",
     "daemon/looks": "daemon/publish daemon/config daemon/runtime proto/styled model",
+    "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
+                      " proto/styled proto/rigs/native model/base model/body",
     "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
     "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
     "daemon/source": "daemon/config daemon/runtime proto model/devices " + STAGES,
@@ -78,6 +79,7 @@ BUILT_ON = {"stgcn_causal": "stgcn"}
 FAMILY_RULE = "a network's family is known to itself, model/train and model/net/load.cpp"
 RIG_RULE = "a rig's codec includes no other rig's"
 TESTS_RULE = "nobody includes tests/"
+BEGIN, END = "<!-- written by tests/layers.py --write -->\n", "<!-- end -->\n"
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')
 
 
@@ -122,8 +124,13 @@ def broken_rule(file, header):
 
 
 def unnoticed():
-    """Rules that let an include pass that breaks them."""
+    """Rules that let an include pass that breaks them, and rows of daemon/ that name one further up."""
     missed = []
+    above = set()
+    for row, allowed in ROWS.items():
+        above.add(row)
+        missed += [f"{row}: {name} is further up" for name in allowed.split()
+                   if name.startswith("daemon/") and name in above and row != "daemon"]
     for row, allowed in ROWS.items():
         forbidden = "daemon/supervisor.h" if row != "daemon" else "clients/cpp/control.h"
         if row != "tests" and not broken_rule(f"{row}/nobody.cpp", forbidden):
@@ -145,8 +152,36 @@ def unnoticed():
     return missed
 
 
+def table():
+    """The rows of daemon/, from the top down, for daemon/README.md."""
+    lines = ["| folder | may include, of `daemon/` | and |", "|---|---|---|",
+             "| `supervisor`, `files_thread`, `main` | all | all of `model/` and `proto/` |"]
+    for row, allowed in ROWS.items():
+        if not row.startswith("daemon/"):
+            continue
+        own = [name.removeprefix("daemon/") for name in allowed.split() if name.startswith("daemon/")]
+        other = [name for name in allowed.split() if not name.startswith("daemon/")]
+        cells = [", ".join(f"`{name}`" for name in names) for names in (own, other)]
+        lines.append(f"| `{row.removeprefix('daemon/')}/` | {cells[0]} | {cells[1]} |")
+    return "\n".join(lines) + "\n"
+
+
+def written(readme):
+    """The page with the table as it should be."""
+    before, begin, rest = readme.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        sys.exit(f"daemon/README.md: expected {BEGIN.strip()} and {END.strip()}")
+    return before + begin + table() + end + after
+
+
 def main():
     root = pathlib.Path(__file__).resolve().parent.parent
+    page = root / "daemon/README.md"
+    readme = page.read_text()
+    if sys.argv[1:] == ["--write"]:
+        page.write_text(written(readme))
+        return 0
     missed = unnoticed()
     for rule in missed:
         print(f"tests/layers.py: a rule does not notice when it is broken: {rule}")
@@ -166,6 +201,9 @@ def main():
                 print(f"{file}:{number}: {match[1]}: {rule}")
     if broken or missed:
         print(f"{broken} of {includes} includes break a rule")
+        return 1
+    if written(readme) != readme:
+        print("daemon/README.md: its table of layers is not that of tests/layers.py --write")
         return 1
     print(f"{includes} includes, {len(ROWS) + 3} rules, held")
     return 0
