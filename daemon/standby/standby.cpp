@@ -43,6 +43,9 @@ constexpr const char* kOtherPair =
     "that daemon hears another one than this: expected its standby.peer to be this one's "
     "standby.address";
 constexpr std::size_t kQuoted = 80;  // bytes of a value of the other daemon's that is shown
+// In each list of a state's messages: a leader has 1,088 places of styles and 1,024 performers at
+// most. A message of 16 MiB could name millions, each a node of the set of what is awaited.
+constexpr int kMostListed = 2048;
 constexpr std::size_t kMostDiffers = 16, kShownDiffers = 3;
 // Awaited beside performers, whose ids contain a dot, "*" and styles.
 constexpr const char* kSettings = "settings";
@@ -198,6 +201,15 @@ std::string Standby::Read() {
   if (in_.term() > Roles::kMostTerm) {
     return "its term is " + std::to_string(in_.term()) + ", expected at most " +
            std::to_string(Roles::kMostTerm);
+  }
+  const v1::Beginning& beginning = in_.beginning();
+  for (const int listed :
+       {beginning.styles_size(), beginning.places_size(), beginning.retired_size(),
+        beginning.fading_size(), in_.settings().performers_size()}) {
+    if (listed > kMostListed) {
+      return "it lists " + std::to_string(listed) + " styles or performers, expected at most " +
+             std::to_string(kMostListed);
+    }
   }
   if (in_.hold_ns() < kLeastHold_ns || in_.hold_ns() > kMostHold_ns) {
     return "its hold_ms is impossible";

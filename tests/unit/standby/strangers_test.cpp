@@ -47,6 +47,16 @@ class StrangersTest : public PairTest {
     for (const std::uint64_t term : {~0ULL, 1ULL << 63U, (1ULL << 32U) + 1}) {
       all.push_back(Bogus([term](v1::Journal& e) { e.set_term(term); }));
     }
+    constexpr int kTooMany = 3000;
+    all.push_back(Bogus([](v1::Journal& e) {
+      for (int i = 0; i < kTooMany; ++i) e.mutable_beginning()->add_styles(std::to_string(i));
+    }));
+    all.push_back(Bogus([](v1::Journal& e) {
+      for (unsigned i = 0; i < kTooMany; ++i) e.mutable_beginning()->add_fading(i);
+    }));
+    all.push_back(Bogus([](v1::Journal& e) {
+      for (int i = 0; i < kTooMany; ++i) e.mutable_settings()->add_performers("rig.p");
+    }));
     return all;
   }
   static bool Says(Node& node, const std::string& what) {
