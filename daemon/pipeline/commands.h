@@ -10,8 +10,8 @@
 
 namespace styled::pipeline {
 
-// The Set that gives a style just made to the performers whom its Like names; none if it names
-// none.
+// Returns the request that shows a style which was just made: its Like names the performers. Empty
+// where it names nobody.
 std::optional<v1::Request> SetThatShows(const v1::Request& like);
 
 // Executes control requests (control.proto) between frames, on the pipeline thread. A request is

@@ -83,14 +83,8 @@ void Pipeline::OnChange(Change change) {
   standby.held().Expire(roster_.source_names(), to_.clock.Now_ns());
   // With a part of the leader's state, those performers go on, in the same epoch.
   const bool goes_on = change == Change::kTakeOver || standby.has_part();
-  // A performer's bodies, and each frame, on the rig's topic, the canonical one, the source's and
-  // those of the outputs.
-  const std::size_t topics = 3 + roster_.config().outputs.size();
-  standby.publisher().MakeRoom(standby.publisher().kept() +
-                               topics *
-                                   (roster_.performers.size() + standby.held().frames().size()));
-  standby.publisher().Release(goes_on);
-  goes_on ? GoOn() : FeedBodies(true);
+  const std::size_t again = standby.publisher().Release(goes_on);
+  goes_on ? GoOn(again) : FeedBodies(true);
   standby.held().Clear();
   for (const auto& performer : roster_.performers) {
     performer->outputs.SendBodies(to_.publisher);
@@ -98,8 +92,9 @@ void Pipeline::OnChange(Change change) {
   }
 }
 
-// The performers' own frames continue behind the last one that the leader handled.
-void Pipeline::GoOn() {
+// The performers' own frames continue behind the last one that the leader handled, and behind
+// `again` messages that were sent in this turn already.
+void Pipeline::GoOn(std::size_t again) {
   standby::Standby& standby = *to_.standby;
   const auto& names = roster_.source_names();
   std::unordered_map<std::string, std::size_t> from;
@@ -116,7 +111,7 @@ void Pipeline::GoOn() {
                                         same.source_time_ns);
   }
   FeedBodies(false);
-  Feed(from);
+  Feed(from, again);
 }
 
 // A rig that sends its body once, at the beginning, would be unknown for ever.
@@ -127,9 +122,19 @@ void Pipeline::FeedBodies(bool of_all) {
   }
 }
 
-void Pipeline::Feed(const std::unordered_map<std::string, std::size_t>& from) {
+void Pipeline::Feed(const std::unordered_map<std::string, std::size_t>& from, std::size_t again) {
   const auto& frames = to_.standby->held().frames();
   const auto& names = roster_.source_names();
+  const auto handled = [&](std::size_t i) {
+    const auto found = from.find(names[static_cast<std::size_t>(frames[i]->source)] + "." +
+                                 std::string(frames[i]->frame.performer));
+    return found != from.end() && i < found->second;
+  };
+  std::size_t messages = roster_.performers.size();  // their bodies
+  for (std::size_t i = 0; i < frames.size(); ++i) messages += handled(i) ? 0 : 1;
+  // Each on the rig's topic, the canonical one, the source's and those of the outputs.
+  const std::size_t topics = 3 + roster_.config().outputs.size();
+  to_.standby->publisher().MakeRoom(again + topics * messages);
   std::array<source::SourceFrame, source::kBatch> batch;
   std::size_t count = 0;
   int source = 0;
@@ -140,9 +145,7 @@ void Pipeline::Feed(const std::unordered_map<std::string, std::size_t>& from) {
   feeds_ = true;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto& held = *frames[i];
-    const auto found = from.find(names[static_cast<std::size_t>(held.source)] + "." +
-                                 std::string(held.frame.performer));
-    if (found != from.end() && i < found->second) continue;
+    if (handled(i)) continue;
     if (held.source != source || count == batch.size()) hand_on();
     source = held.source;
     batch[count++] = held.frame;
@@ -162,21 +165,19 @@ int Pipeline::RepeatWaiting(int most) {
     awaits_style_ = false;
   }
   int done = 0;
-  for (; done < most && !awaits_style_ && !waiting_.empty(); ++done) {
-    const Waiting next = std::move(waiting_.front());
-    waiting_.pop_front();
-    Repeat(next.entry, next.own_ns);
-  }
+  for (; done < most && !awaits_style_ && !waiting_.empty(); ++done) RepeatFirstWaiting();
   return done;
+}
+
+void Pipeline::RepeatFirstWaiting() {
+  const Waiting first = std::move(waiting_.front());
+  waiting_.pop_front();
+  Repeat(first.entry, first.own_ns);
 }
 
 // Repeats what waits without the styles that are not here yet.
 void Pipeline::EndWait() {
-  while (!waiting_.empty()) {
-    const Waiting next = std::move(waiting_.front());
-    waiting_.pop_front();
-    Repeat(next.entry, next.own_ns);
-  }
+  while (!waiting_.empty()) RepeatFirstWaiting();
   awaits_style_ = false;
 }
 

@@ -111,9 +111,9 @@ class Pipeline final : public Worker, public source::Receiver {
   bool journals() const { return to_.standby != nullptr && to_.standby->wanted(); }
   int DoStandby();
   void OnChange(standby::Standby::Change change);
-  void GoOn();
+  void GoOn(std::size_t again);
   void FeedBodies(bool of_all);
-  void Feed(const std::unordered_map<std::string, std::size_t>& from);
+  void Feed(const std::unordered_map<std::string, std::size_t>& from, std::size_t again);
   void TellSetup();
   int SendState();
   void SendBeginning();
@@ -128,6 +128,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void JournalSilence(std::int64_t now_ns);
   void JournalRequest(const v1::Request& request, const v1::Reply& reply);
   int RepeatWaiting(int most);
+  void RepeatFirstWaiting();
   void EndWait();
   void Repeat(const v1::Journal& entry, std::int64_t own_ns);
   void RepeatBeginning(const v1::Journal& entry);

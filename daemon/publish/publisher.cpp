@@ -43,8 +43,7 @@ class ZmqPublisher final : public Publisher {
     const int wanted =
         static_cast<int>(std::min(messages + usual_room_, std::size_t{config::kMostHighWaterMark}));
     if (wanted <= room_) return;
-    socket_.Set(ZMQ_SNDHWM, wanted);
-    room_ = wanted;
+    if (socket_.Set(ZMQ_SNDHWM, wanted)) room_ = wanted;
   }
 
   bool NextSubscription(SubscriptionEvent& event) override {

@@ -13,12 +13,15 @@ void HeldPublisher::Send(std::string_view topic, std::span<const std::byte> payl
   kept_.push_back({now_ns, std::string(topic), {payload.begin(), payload.end()}});
 }
 
-void HeldPublisher::Release(bool all) {
+std::size_t HeldPublisher::Release(bool all) {
   holds_ = false;
-  for (const Message& message : kept_) {
-    if (all) to_.Send(message.topic, message.payload);
+  const std::size_t sent = all ? kept_.size() : 0;
+  to_.MakeRoom(sent);
+  if (all) {
+    for (const Message& message : kept_) to_.Send(message.topic, message.payload);
   }
   kept_.clear();
+  return sent;
 }
 
 }  // namespace styled::standby

@@ -29,12 +29,12 @@ class HeldPublisher final : public publish::Publisher {
     return to_.NextSubscription(event);
   }
   void MakeRoom(std::size_t messages) override { to_.MakeRoom(messages); }
-  std::size_t kept() const { return kept_.size(); }
   int fd() const override { return to_.fd(); }
 
   void Hold() { holds_ = true; }
-  // Sends what it kept (`all`) or drops it, and passes on from now on.
-  void Release(bool all);
+  // Sends what it kept (`all`), after it has made room for it, or drops it; passes on from now on.
+  // Returns how many messages it sent.
+  std::size_t Release(bool all);
 
  private:
   struct Message {
