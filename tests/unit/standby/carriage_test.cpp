@@ -58,20 +58,9 @@ TEST_F(CarriageTest, AStandbyThatComesLaterHasWhatWasLearned) {
 }
 
 TEST_F(CarriageTest, ACalibrationUnderWayEndsAtTheStandbyThatTookOver) {
-  Wire nowhere;
-  nowhere.cut = true;
-  Node alone(nowhere, true, 6, 5'000'000'000, config_, kTopics);
-  for (int i = 0; i < 1200; ++i) {
-    alone.clock.now_ns += 1'000'000;
-    alone.Work();
-  }
-  const auto send = [&](const Bytes& datagram) {
-    Send(datagram);
-    alone.rig->waiting.push_back(datagram);
-    Turn(8);
-    alone.clock.now_ns += 8'000'000;
-    alone.Work();
-  };
+  Alone witness(*this);
+  Node& alone = witness.node;
+  const auto send = [&](const Bytes& datagram) { witness.Send(datagram); };
   StartB();
   send(rig_.Body());
   for (Node* const node : {a_.get(), &alone}) Wear(*node, "style1", 0);

@@ -63,21 +63,9 @@ TEST_F(FollowingTest, AStandbyThatStartsLateHasTheCheckpointAndStylesTheSame) {
 }
 
 TEST_F(FollowingTest, WhenTheLeaderIsKilledNoFrameIsLostAndNoneIsAnother) {
-  // A third daemon, alone, gets everything: what would have been.
-  Wire nowhere;
-  nowhere.cut = true;
-  Node alone(nowhere, true, 6, 5'000'000'000, config_, kTopics);
-  for (int i = 0; i < 1200; ++i) {
-    alone.clock.now_ns += 1'000'000;
-    alone.Work();
-  }
-  const auto send = [&](const Bytes& datagram) {
-    Send(datagram);
-    alone.rig->waiting.push_back(datagram);
-    Turn(8);
-    alone.clock.now_ns += 8'000'000;
-    alone.Work();
-  };
+  Alone witness(*this);
+  Node& alone = witness.node;
+  const auto send = [&](const Bytes& datagram) { witness.Send(datagram); };
   StartB();
   send(rig_.Body());
   Wear(*a_, "style1", 0);

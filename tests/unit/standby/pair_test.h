@@ -75,6 +75,29 @@ class PairTest : public testing::Test {
       look.set_transition_ms(transition_ms);
     });
   }
+  // A third daemon, which gets everything and follows nobody: what would have been.
+  struct Alone {
+    explicit Alone(PairTest& test)
+        : pair(test), node(nowhere, true, 6, 5'000'000'000, test.config_, test.kTopics) {
+      nowhere.cut = true;
+      for (int i = 0; i < 1200; ++i) Turn(1);
+    }
+    // The rig's datagram to all three.
+    void Send(const Bytes& datagram) {
+      pair.Send(datagram);
+      node.rig->waiting.push_back(datagram);
+      pair.Turn(8);
+      Turn(8);
+    }
+    void Turn(int ms) {
+      node.clock.now_ns += ms * std::int64_t{1'000'000};
+      node.Work();
+    }
+
+    PairTest& pair;
+    Wire nowhere{};
+    Node node;
+  };
   // Frames by sequence as a subscriber of both daemons has them: of each number the first.
   std::map<std::uint64_t, v1::Frame> Seen() {
     std::map<std::uint64_t, v1::Frame> seen;

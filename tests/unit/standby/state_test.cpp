@@ -95,6 +95,12 @@ class StateTest : public PairTest {
     like.mutable_vary()->set_seed(static_cast<std::uint64_t>(seed));
     ASSERT_TRUE(a_->mailboxes.commands.Push(std::move(exchange)));
   }
+  // A request for a's files thread.
+  void AskFiles(const v1::Request& request) {
+    auto exchange = std::make_unique<pipeline::Exchange>();
+    exchange->request = request;
+    ASSERT_TRUE(a_->mailboxes.takes.Push(std::move(exchange)));
+  }
   // Entries of a kind that a has sent to b from now on.
   void Count(v1::Journal::WhatCase kind) {
     counted_ = 0;
@@ -153,6 +159,15 @@ TEST_F(StateTest, StylesThatChangeAllTheTimeChangeAtTheLeadersFrame) {
   for (int i = 0; i < 60; ++i) {
     Like("s" + std::to_string(i % 3), i, i % 4 == 0 ? "" : "rig.a");
     if (i % 3 == 2) Like("s" + std::to_string((i + 1) % 3), i + 1, "rig.a");
+    v1::Request request;
+    if (i % 10 == 7) {
+      request.mutable_rename_style()->set_name("s0");
+      request.mutable_rename_style()->set_to("other");
+      AskFiles(request);
+    } else if (i % 10 == 9) {
+      request.mutable_remove_style()->set_name("other");
+      AskFiles(request);
+    }
     FramesAndFiles(8);
     EXPECT_TRUE(b_->State().ready()) << i << ": " << b_->State().why_not();
   }
