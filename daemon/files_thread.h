@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/log/recorder.h"
 #include "daemon/looks/mailboxes.h"
 #include "daemon/looks/runtime_config.h"
 #include "daemon/origin.h"
-#include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/runtime/notify.h"

@@ -48,13 +48,16 @@ ROWS = {
     "daemon/control": "daemon/styles daemon/looks daemon/security daemon/config daemon/runtime proto model/base"
                       " model/body",
     "daemon/replay": "daemon/pipeline daemon/styles daemon/looks daemon/source daemon/config daemon/runtime proto model",
-    "daemon/pipeline": "daemon/styles daemon/looks daemon/standby daemon/record daemon/publish daemon/source"
-                       " daemon/config daemon/runtime proto model",
+    "daemon/pipeline": "daemon/standby daemon/perform daemon/decide daemon/styles daemon/looks daemon/log"
+                       " daemon/publish daemon/source daemon/config daemon/runtime proto model",
+    "daemon/standby": "daemon/perform daemon/decide daemon/styles daemon/looks daemon/log daemon/publish"
+                      " daemon/source daemon/security daemon/config daemon/runtime proto/styled proto/rigs/native model",
+    "daemon/perform": "daemon/decide daemon/styles daemon/looks daemon/publish daemon/source daemon/config"
+                      " daemon/runtime proto model",
+    "daemon/decide": "daemon/source daemon/runtime proto/styled model/base",
     "daemon/styles": "daemon/looks daemon/config daemon/runtime proto model",
     "daemon/looks": "daemon/publish daemon/config daemon/runtime proto/styled model",
-    "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
-                      " proto/styled proto/rigs/native model/base model/body",
-    "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
+    "daemon/log": "daemon/source daemon/config daemon/runtime proto model/base model/body",
     "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
     "daemon/source": "daemon/config daemon/runtime proto model/devices " + STAGES,
     "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",

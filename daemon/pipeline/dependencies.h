@@ -1,8 +1,8 @@
 #pragma once
 
+#include "daemon/log/recorder.h"
 #include "daemon/looks/mailboxes.h"
 #include "daemon/publish/publisher.h"
-#include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"

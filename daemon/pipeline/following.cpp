@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "daemon/looks/state_file.h"
-#include "daemon/pipeline/checkpoints.h"
+#include "daemon/perform/checkpoints.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/styles/style_file.h"
 #include "daemon/styles/style_list.h"

@@ -2,7 +2,7 @@
 // and on demand its state. The other one repeats it (following.cpp).
 #include "daemon/looks/state_file.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/setup.h"
+#include "daemon/standby/setup.h"
 #include "daemon/styles/style_file.h"
 #include "daemon/styles/style_list.h"
 

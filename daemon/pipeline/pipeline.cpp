@@ -1,8 +1,8 @@
 #include "daemon/pipeline/pipeline.h"
 
-#include "daemon/pipeline/calibration.h"
-#include "daemon/pipeline/checkpoints.h"
-#include "daemon/pipeline/setup.h"
+#include "daemon/perform/calibration.h"
+#include "daemon/perform/checkpoints.h"
+#include "daemon/standby/setup.h"
 
 namespace styled::pipeline {
 namespace {

@@ -9,15 +9,16 @@
 #include <unordered_map>
 #include <vector>
 
-#include "daemon/pipeline/commands.h"
+#include "daemon/decide/overload.h"
+#include "daemon/log/entry.h"
+#include "daemon/perform/commands.h"
+#include "daemon/perform/event_log.h"
+#include "daemon/perform/merge/layers.h"
+#include "daemon/perform/roster.h"
+#include "daemon/perform/stages.h"
+#include "daemon/perform/takes.h"
 #include "daemon/pipeline/dependencies.h"
-#include "daemon/pipeline/event_log.h"
-#include "daemon/pipeline/layers.h"
-#include "daemon/pipeline/overload.h"
-#include "daemon/pipeline/roster.h"
-#include "daemon/pipeline/stages.h"
 #include "daemon/pipeline/stats.h"
-#include "daemon/pipeline/takes.h"
 #include "daemon/pipeline/worker.h"
 #include "daemon/publish/bundle.h"
 #include "daemon/publish/subscriptions.h"
@@ -26,7 +27,6 @@
 #include "daemon/source/frame_memory.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
-#include "daemon/standby/entry.h"
 #include "daemon/standby/standby.h"
 #include "proto/styled/v1/journal.pb.h"
 

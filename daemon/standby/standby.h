@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/log/entry.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/standby/channel.h"
-#include "daemon/standby/entry.h"
 #include "daemon/standby/held_publisher.h"
 #include "daemon/standby/hold_back.h"
 #include "daemon/standby/roles.h"

@@ -13,7 +13,7 @@
 #include <thread>
 #include <unordered_map>
 
-#include "daemon/pipeline/anticipation.h"
+#include "daemon/decide/anticipation.h"
 #include "daemon/pipeline/pipeline_thread.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/realtime.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/body_binding.h"
+#include "daemon/perform/performer/body_binding.h"
 #include "model/body/pose.h"
 #include "tests/support/count_new.h"
 #include "tests/support/translated.h"

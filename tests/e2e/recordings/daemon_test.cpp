@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 
-#include "daemon/record/recorder.h"
+#include "daemon/log/recorder.h"
 #include "tests/e2e/recordings/fixture.h"
 
 namespace styled::support {

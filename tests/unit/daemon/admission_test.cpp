@@ -1,4 +1,4 @@
-#include "daemon/pipeline/performer/admission.h"
+#include "daemon/decide/admission.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/anticipation.h"
+#include "daemon/decide/anticipation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // A checkpoint of one daemon's performer is restored by another daemon: the motion goes on there,
 // bit for bit. What cannot be restored leaves everything as it was.
-#include "daemon/pipeline/checkpoints.h"
+#include "daemon/perform/checkpoints.h"
 
 #include <gtest/gtest.h>
 

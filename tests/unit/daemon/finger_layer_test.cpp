@@ -1,4 +1,4 @@
-#include "daemon/pipeline/finger_layer.h"
+#include "daemon/perform/merge/finger_layer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

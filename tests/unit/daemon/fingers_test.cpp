@@ -1,5 +1,5 @@
 // Fingers of other sources on a performer.
-#include "daemon/pipeline/performer/fingers.h"
+#include "daemon/perform/performer/fingers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/layers.h"
+#include "daemon/perform/merge/layers.h"
 
 #include <gtest/gtest.h>
 

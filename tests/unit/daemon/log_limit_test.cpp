@@ -1,4 +1,4 @@
-#include "daemon/pipeline/log_limit.h"
+#include "daemon/perform/log_limit.h"
 
 #include <gtest/gtest.h>
 

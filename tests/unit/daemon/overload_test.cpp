@@ -1,4 +1,4 @@
-#include "daemon/pipeline/overload.h"
+#include "daemon/decide/overload.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "daemon/config/machine.h"
-#include "daemon/pipeline/roster.h"
+#include "daemon/perform/roster.h"
 #include "model/net/load.h"
 #include "tests/support/child.h"
 #include "tests/support/count_new.h"

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/roster.h"
+#include "daemon/perform/roster.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/session.h"
+#include "daemon/decide/session.h"
 
 #include <gtest/gtest.h>
 

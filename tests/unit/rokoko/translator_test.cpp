@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "daemon/pipeline/body_binding.h"
+#include "daemon/perform/performer/body_binding.h"
 #include "daemon/source/rigs/rokoko.h"
 #include "model/rig/dialect_rests.h"
 #include "proto/rigs/rokoko/rokoko.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "daemon/config/sources.h"
-#include "daemon/pipeline/body_binding.h"
+#include "daemon/perform/performer/body_binding.h"
 #include "proto/styled/v1/body.pb.h"
 #include "tests/support/count_new.h"
 #include "tests/support/native_frames.h"

@@ -1,5 +1,5 @@
 // Poses that differ in their last bits, as on processors of another make, and poses that differ.
-#include "daemon/standby/entry.h"
+#include "daemon/log/entry.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/perform/roster.h"
+#include "proto/styled/v1/control.pb.h"
+
+namespace styled::pipeline {
+
+// Returns the request that shows a style which was just made: its Like names the performers. Empty
+// where it names nobody.
+std::optional<v1::Request> SetThatShows(const v1::Request& like);
+
+// Executes control requests (control.proto) between frames, on the pipeline thread. A request is
+// checked completely before anything changes. Allocates.
+class Commands {
+ public:
+  explicit Commands(Roster& roster) : roster_(roster) {}
+
+  // Fills the reply's code, reason and result. Returns false for GetStatus, which the pipeline
+  // answers.
+  bool Apply(const v1::Request& request, v1::Reply& reply);
+  // Does the rest of a Like after the files thread has made the style: gives it to the performers
+  // that the request names.
+  // Nothing for other requests.
+  void Show(const v1::Request& request, v1::Reply& reply);
+  // The part of RenameStyle and RemoveStyle that is the looks': of performers, live or not, and of
+  // those to come. Call before the configuration is taken over. Nothing for other requests.
+  void FollowStyles(const v1::Request& request, v1::Reply& reply);
+  // Fires the cues that the performer's timecode passed since its last frame; they take effect with
+  // the current frame. Returns true if there was one; `said` then names them for the log.
+  bool Pass(Performer& performer, const Timecode& timecode, std::string& said);
+  // Whether settings changed since the last call and must be saved.
+  bool PopChanged() { return std::exchange(changed_, false); }
+  void MarkChanged() { changed_ = true; }
+
+ private:
+  // The profiles that a request names, one or all. On an error `ok` is false and the reply has the
+  // reason.
+  struct Targets {
+    bool ok = false, all = false;
+    std::vector<Profile*> profiles;
+  };
+  // Creates a profile for an id that was not seen yet.
+  Targets Find(const std::string& performer, v1::Reply& reply);
+  void List(v1::Reply& reply) const;
+  // Changes looks; `what` is the name of the command, for errors.
+  void Change(const std::string& performer, v1::Look change, const std::string& what,
+              v1::Reply& reply);
+  void ForgetMisnamed(const std::string& id);
+  void Pin(const v1::Request& request, v1::Reply& reply);
+  void Panic(v1::Reply& reply);
+  void Fire(const v1::Cue& wanted, v1::Reply& reply);
+  // Executes the request of one cue, for one performer or "*". Returns the code of that request.
+  // For a pinned performer `reply` stays as it is.
+  v1::Code FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
+  void Reset(const v1::Request& request, v1::Reply& reply);
+
+  // Copies the mix of the preset that a change names into the change; false if there is no such
+  // preset.
+  bool FillPreset(v1::Look& change, const std::string& what, v1::Reply& reply) const;
+  // Applies a checked change to each target, all or none.
+  void ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
+  // `live`: the profile's performer, null if there is none.
+  static void Applied(const Profile& profile, const Performer* live, v1::Reply& reply);
+
+  Roster& roster_;
+  bool changed_ = false;
+};
+
+}  // namespace styled::pipeline
