@@ -23,7 +23,7 @@ FilesThread::FilesThread(const config::Config& config, const Origin& origin,
                          std::shared_ptr<const pipeline::RuntimeConfig> running,
                          std::uint32_t weights_crc, pipeline::Mailboxes& mailboxes,
                          runtime::Counters& counters, const runtime::Clock& clock,
-                         record::Recorder* recorder)
+                         log::Recorder* recorder)
     : config_(config),
       origin_(origin),
       running_(std::move(running)),
@@ -150,7 +150,7 @@ void FilesThread::WarnOfRestartKeys(const config::Config& fresh) const {
 void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
   std::shared_ptr<const pipeline::RuntimeConfig> made;
   if (mailboxes_.stands_by.load(std::memory_order_relaxed) && !exchange->followed &&
-      record::Changes(exchange->request)) {
+      log::Changes(exchange->request)) {
     standby::RefuseOrder(config_.standby.peer, exchange->request, exchange->reply);
   } else {
     made = style_requests_.Do(*running_, *exchange);

@@ -32,7 +32,7 @@ class FilesThread {
   FilesThread(const config::Config& config, const Origin& origin,
               std::shared_ptr<const pipeline::RuntimeConfig> running, std::uint32_t weights_crc,
               pipeline::Mailboxes& mailboxes, runtime::Counters& counters,
-              const runtime::Clock& clock, record::Recorder* recorder);
+              const runtime::Clock& clock, log::Recorder* recorder);
   ~FilesThread();
   FilesThread(const FilesThread&) = delete;
   FilesThread& operator=(const FilesThread&) = delete;
@@ -69,7 +69,7 @@ class FilesThread {
   pipeline::Mailboxes& mailboxes_;
   runtime::Counters& counters_;
   const runtime::Clock& clock_;
-  record::Recorder* const recorder_;
+  log::Recorder* const recorder_;
   runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
   pipeline::StyleRequests style_requests_;
 

@@ -203,7 +203,7 @@ Status Supervisor::OpenStandby() {
 // A recording that cannot start is logged and does not keep the daemon from starting.
 void Supervisor::StartRecording() {
   if (config_.record.file.empty()) return;
-  record::About about;
+  log::About about;
   about.config = ReadText(origin_.file, config::kMaxFileBytes);
   for (const auto& set : origin_.overrides) {
     about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
@@ -217,7 +217,7 @@ void Supervisor::StartRecording() {
       about.weights_hash = label.value().hashes;
     }
   }
-  auto recorder = record::Recorder::Start(config_, source_endpoints_, about);
+  auto recorder = log::Recorder::Start(config_, source_endpoints_, about);
   if (!recorder.ok()) {
     counters_.Add(runtime::Counter::kRecordFailures);
     spdlog::error("nothing is recorded: {}", recorder.status().message());

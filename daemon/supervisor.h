@@ -82,7 +82,7 @@ class Supervisor {
   std::unique_ptr<publish::Publisher> publisher_;
   std::unique_ptr<standby::Standby> standby_;  // null: this daemon is alone
   std::unique_ptr<control::ControlSocket> control_;
-  std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded
+  std::unique_ptr<log::Recorder> recorder_;  // null: nothing is recorded
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
   std::unique_ptr<FilesThread> files_;

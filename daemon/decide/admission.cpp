@@ -6,7 +6,7 @@
 
 #include "daemon/runtime/clock.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 
 bool Admission::MayChangeBody(std::int64_t now_ns) noexcept {
   const std::int64_t earned = (now_ns - body_changed_ns_) / kBodyChange_ns;
@@ -65,4 +65,4 @@ void Admission::Describe(v1::PerformerStats& stats) const {
   stats.set_refused_as(why.data(), why.size());
 }
 
-}  // namespace styled::pipeline
+}  // namespace styled::decide

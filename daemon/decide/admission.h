@@ -11,7 +11,7 @@
 #include "model/base/realtime.h"
 #include "proto/styled/v1/stats.pb.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 
 // Decides which datagrams of a performer count. Holds their session and order, their lateness
 // (schedule), the limit of body changes, the silence after which the performer is stale, and the
@@ -84,4 +84,4 @@ class Admission {
   bool refusing_ = false;  // in the last second
 };
 
-}  // namespace styled::pipeline
+}  // namespace styled::decide

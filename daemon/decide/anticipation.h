@@ -5,7 +5,7 @@
 
 #include "model/base/realtime.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 
 // Predicts when a performer's next frame is due, by the sender's own clock. Shortly before, cold
 // data is brought into the caches, and a loop in hybrid mode polls. One per performer; pipeline
@@ -42,4 +42,4 @@ class Anticipation {
   bool prepared_ = true;
 };
 
-}  // namespace styled::pipeline
+}  // namespace styled::decide

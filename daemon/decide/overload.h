@@ -9,7 +9,7 @@
 #include "daemon/runtime/clock.h"
 #include "model/base/realtime.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 
 // Decides for how many performers the style is left out because the machine cannot keep up: the
 // first rung of the ladder in daemon/README.md. It watches, in windows of a tenth of a second, what
@@ -101,4 +101,4 @@ class Overload {
   double load_ = 0;
 };
 
-}  // namespace styled::pipeline
+}  // namespace styled::decide

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 constexpr std::uint64_t kWindow = 64;
 constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
@@ -131,4 +131,4 @@ Session::Time Session::AdmitTime(std::uint64_t source_time_ns, const SessionRule
   return Time::kJump;
 }
 
-}  // namespace styled::pipeline
+}  // namespace styled::decide

@@ -7,7 +7,7 @@
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 
 // A sender that restarts its stream while it keeps sending adds this to its session's id, and is
 // accepted at once. Any other id is treated as another sender's.
@@ -128,4 +128,4 @@ class Session {
   std::array<std::int64_t, 2> intervals_ns_{};  // between the last arrivals
 };
 
-}  // namespace styled::pipeline
+}  // namespace styled::decide

@@ -10,7 +10,7 @@
 
 #include "proto/styled/timecode_message.h"
 
-namespace styled::standby {
+namespace styled::log {
 namespace {
 
 std::string_view Text(std::span<const std::byte> bytes) {
@@ -77,15 +77,17 @@ bool AreApart(const RoundedPose& a, const RoundedPose& b) noexcept {
   return false;
 }
 
-Comparison Compare(const Outcome& here, const Outcome& leaders) noexcept {
-  if (here.fate != leaders.fate) return Comparison::kApart;
+Comparison Compare(const decide::FrameInTransit& here,
+                   const decide::FrameInTransit& leaders) noexcept {
+  if (here.decision.fate != leaders.decision.fate) return Comparison::kApart;
   if (here.styled_crc == leaders.styled_crc) return Comparison::kSame;
   RoundedPose a, b;
   const bool poses = ReadRounded(here.rounded_pose, a) && ReadRounded(leaders.rounded_pose, b);
   return poses && !AreApart(a, b) ? Comparison::kLastBits : Comparison::kApart;
 }
 
-void Write(const source::SourceFrame& frame, const Outcome& outcome, v1::Handled& entry) {
+void Write(const decide::FrameInTransit& transit, v1::Handled& entry) {
+  const source::SourceFrame& frame = *transit.given;
   entry.set_performer(frame.performer.data(), frame.performer.size());
   entry.set_machine(frame.machine.data(), sizeof frame.machine);
   entry.set_session(frame.session);
@@ -107,16 +109,18 @@ void Write(const source::SourceFrame& frame, const Outcome& outcome, v1::Handled
   *entry.mutable_face() = Text(frame.face);
   *entry.mutable_props() = Text(frame.props);
   entry.set_scene_props(frame.scene_props);
-  entry.set_fate(outcome.fate);
-  entry.set_late(outcome.late);
-  entry.set_published(outcome.published);
-  entry.set_styled_crc(outcome.styled_crc);
-  *entry.mutable_rounded_pose() = Text(outcome.rounded_pose);
-  entry.set_relieved(outcome.relieved);
+  entry.set_fate(transit.decision.fate);
+  entry.set_late(transit.decision.late);
+  entry.set_published(transit.decision.sequence);
+  entry.set_styled_crc(transit.styled_crc);
+  *entry.mutable_rounded_pose() = Text(transit.rounded_pose);
+  entry.set_relieved(transit.decision.relieved);
 }
 
-bool Read(const v1::Handled& entry, source::SourceFrame& frame, Outcome& outcome) {
+bool Read(const v1::Handled& entry, source::SourceFrame& frame, decide::FrameInTransit& transit) {
   frame = source::SourceFrame();
+  transit = decide::FrameInTransit();
+  transit.given = &frame;
   if (entry.machine().size() != sizeof frame.machine) return false;
   std::memcpy(frame.machine.data(), entry.machine().data(), sizeof frame.machine);
   frame.performer = entry.performer();
@@ -138,13 +142,13 @@ bool Read(const v1::Handled& entry, source::SourceFrame& frame, Outcome& outcome
   frame.face = Bytes(entry.face());
   frame.props = Bytes(entry.props());
   frame.scene_props = entry.scene_props();
-  outcome = {entry.fate(),
-             entry.late(),
-             entry.published(),
-             entry.styled_crc(),
-             Bytes(entry.rounded_pose()),
-             entry.relieved()};
+  transit.decision.fate = entry.fate();
+  transit.decision.late = entry.late();
+  transit.decision.sequence = entry.published();
+  transit.decision.relieved = entry.relieved();
+  transit.styled_crc = entry.styled_crc();
+  transit.rounded_pose = Bytes(entry.rounded_pose());
   return true;
 }
 
-}  // namespace styled::standby
+}  // namespace styled::log

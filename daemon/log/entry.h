@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <span>
 
+#include "daemon/decide/frame_in_transit.h"
 #include "daemon/source/source_frame.h"
 #include "model/body/pose.h"
 #include "proto/styled/v1/journal.pb.h"
 
-namespace styled::standby {
+namespace styled::log {
 
 // A styled pose on the canonical body, near enough to tell another pose from one whose last bits
 // differ, as on processors of another make.
@@ -27,29 +28,19 @@ inline constexpr double kApart_m = 0.002;
 // Whether a joint is turned by more than kApart_deg, or the hips are moved by more than kApart_m.
 bool AreApart(const RoundedPose& a, const RoundedPose& b) noexcept;
 
-// What became of a frame that a daemon handled.
-struct Outcome {
-  v1::Fate fate = v1::FATE_REFUSED;
-  bool late = false;
-  std::uint64_t published = 0;   // Frame.sequence, if it was styled
-  std::uint32_t styled_crc = 0;  // of the styled pose on the canonical body
-  // The bytes of that pose's RoundedPose, little-endian; a view, empty: there is no pose.
-  std::span<const std::byte> rounded_pose;
-  bool relieved = false;  // without style, because the machine cannot keep up
-  bool put_off = false;   // a body that is handled in a later batch, and is no part of this one
-};
-
-// How a daemon's outcome of a frame compares with the leader's.
+// How a daemon's frame compares with the leader's.
 enum class Comparison : std::uint8_t {
   kSame,      // bit for bit
   kLastBits,  // poses that differ and are not apart
   kApart,     // poses that are apart, or a frame that only one of them has styled
 };
-Comparison Compare(const Outcome& here, const Outcome& leaders) noexcept;
+Comparison Compare(const decide::FrameInTransit& here,
+                   const decide::FrameInTransit& leaders) noexcept;
 
 // A frame or body as an entry of the journal. Allocates.
-void Write(const source::SourceFrame& frame, const Outcome& outcome, v1::Handled& entry);
-// The frame of an entry, with views into it; false for one that no daemon writes.
-bool Read(const v1::Handled& entry, source::SourceFrame& frame, Outcome& outcome);
+void Write(const decide::FrameInTransit& frame, v1::Handled& entry);
+// The frame of an entry, with views into it, and `given`, to which it points; false for one that no
+// daemon writes.
+bool Read(const v1::Handled& entry, source::SourceFrame& given, decide::FrameInTransit& frame);
 
-}  // namespace styled::standby
+}  // namespace styled::log

@@ -7,7 +7,7 @@
 #include "daemon/runtime/clock.h"
 #include "proto/rigs/types.h"
 
-namespace styled::record {
+namespace styled::log {
 namespace {
 
 constexpr const char* kUsualName = "%Y-%m-%d_%H-%M-%S.styrec";
@@ -120,4 +120,4 @@ std::string Recorder::Check(runtime::Counters& counters) {
   return complaint;
 }
 
-}  // namespace styled::record
+}  // namespace styled::log

@@ -16,7 +16,7 @@
 #include "proto/recording/recording_thread.h"
 #include "proto/styled/v1/control.pb.h"
 
-namespace styled::record {
+namespace styled::log {
 
 // Whether a request changes something where it succeeds.
 bool Changes(const v1::Request& request);
@@ -79,4 +79,4 @@ class Recorder {
 // file exists, "-2", "-3", ... is added before its extension.
 std::filesystem::path FileAt(const std::string& pattern, std::int64_t unix_s);
 
-}  // namespace styled::record
+}  // namespace styled::log

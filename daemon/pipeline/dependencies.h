@@ -16,7 +16,7 @@ struct Dependencies {
   runtime::Counters& counters;
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
-  record::Recorder* recorder = nullptr;        // null: nothing is recorded
+  log::Recorder* recorder = nullptr;           // null: nothing is recorded
   bool anticipate = true;                      // predicts each frame and wakes shortly before
   bool prewarm = true;                         // and then brings its data into the caches
   bool polls = false;                          // the loop is awake around that time in any case

@@ -390,11 +390,11 @@ void Pipeline::RepeatBatch(const v1::Batch& batch, std::int64_t own_ns) {
                                "; expected the same [[source]] tables as the leader has");
   }
   std::array<source::SourceFrame, source::kBatch> frames;
-  std::array<standby::Outcome, source::kBatch> decided;
+  std::array<decide::FrameInTransit, source::kBatch> decided;
   for (std::size_t i = 0; i < count; ++i) {
     const v1::Handled& entry = batch.frames(static_cast<int>(i));
-    if (!standby::Read(entry, frames[i], decided[i])) return;
-    if (entry.is_body() || decided[i].fate == v1::FATE_REFUSED) continue;
+    if (!log::Read(entry, frames[i], decided[i])) return;
+    if (entry.is_body() || decided[i].decision.fate == v1::FATE_REFUSED) continue;
     to_.standby->last[batch.name() + "." + entry.performer()] = {
         frames[i].machine,        frames[i].session,           frames[i].sequence,
         frames[i].source_time_ns, standby::PoseCrc(frames[i]), own_ns};
@@ -403,9 +403,12 @@ void Pipeline::RepeatBatch(const v1::Batch& batch, std::int64_t own_ns) {
   OnFrames(static_cast<int>(batch.source()), std::span(frames).first(count), false);
   decided_ = {};
   for (std::size_t i = 0; i < count; ++i) {
-    if (decided[i].fate != v1::FATE_STYLED && outcomes_[i].fate != v1::FATE_STYLED) continue;
+    if (decided[i].decision.fate != v1::FATE_STYLED &&
+        transit_[i].decision.fate != v1::FATE_STYLED) {
+      continue;
+    }
     if (roster_.Find(static_cast<int>(batch.source()), frames[i].performer) == nullptr) continue;
-    to_.standby->Compared(standby::Compare(outcomes_[i], decided[i]));
+    to_.standby->Compared(log::Compare(transit_[i], decided[i]));
   }
 }
 
@@ -437,7 +440,7 @@ void Pipeline::RepeatRequest(const v1::Request& request) {
 }
 
 bool Pipeline::RefusesOrders(Exchange& exchange) {
-  if (leads() || !record::Changes(exchange.request)) return false;
+  if (leads() || !log::Changes(exchange.request)) return false;
   standby::RefuseOrder(to_.standby->peer_address(), exchange.request, exchange.reply);
   if (to_.standby->looks()) {
     exchange.reply.set_code(v1::CODE_NOT_READY);

@@ -8,6 +8,8 @@
 namespace styled::pipeline {
 namespace {
 
+using decide::Decision;
+using decide::FrameInTransit;
 using runtime::Counter;
 using runtime::kSecond_ns;
 using runtime::Nanoseconds;
@@ -28,8 +30,12 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   receive_ns_ = to_.clock.Now_ns();
   wall_ns_ = to_.clock.Wall_ns();
   to_.counters.Add(Counter::kSourceReceived, frames.size());
-  outcomes_.fill({});
   batch_ = {};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    transit_[i] = FrameInTransit();
+    transit_[i].given = &frames[i];
+    whose_[i] = nullptr;
+  }
   if (Layer* const layer = layers_.Of(source)) {
     AcceptLayer(*layer, source, frames, hot);
     return JournalFrames(source, frames);
@@ -38,27 +44,26 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
   const std::int64_t styling_ns = stages_.Spent_ns(Stages::kStyle);
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const bool is_body = frames[i].is_body;
-    items_[i] = {&frames[i], is_body ? nullptr : roster_.Find(source, frames[i].performer)};
+    if (!frames[i].is_body) whose_[i] = roster_.Find(source, frames[i].performer);
     NoteNewest(static_cast<int>(i));
   }
   // 2 Process them in order and send them. Frames of different performers are styled together.
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].is_body) {
       StyleAccepted(hot);
-      outcomes_[i].put_off = PutsOff(source, frames[i]);
-      if (outcomes_[i].put_off) continue;
+      transit_[i].decision.postponed = PutsOff(source, frames[i]);
+      if (transit_[i].decision.postponed) continue;
       const std::int64_t begin_ns = to_.clock.Now_ns();
       AcceptBody(source, frames[i]);
       binding_ns_ += to_.clock.Now_ns() - begin_ns;
     } else {
       if (!put_off_.empty() && WaitsForBody(source, frames[i].performer)) {
         StyleAccepted(hot);
-        outcomes_[i].put_off = PutOffFrame(source, frames[i]);
-        if (outcomes_[i].put_off) continue;
+        transit_[i].decision.postponed = PutOffFrame(source, frames[i]);
+        if (transit_[i].decision.postponed) continue;
       }
       hot.Enter();
-      AcceptFrame(source, items_[i], static_cast<int>(i), more_waiting, hot);
+      AcceptFrame(source, static_cast<int>(i), more_waiting, hot);
     }
   }
   StyleAccepted(hot);
@@ -101,29 +106,33 @@ void Pipeline::AcceptLayerBody(FingerLayer& fingers, int source, const source::S
 }
 
 void Pipeline::NoteNewest(int index) noexcept {
-  const Item& item = items_[static_cast<std::size_t>(index)];
-  if (item.performer == nullptr) return;
+  Performer* const performer = whose_[static_cast<std::size_t>(index)];
+  if (performer == nullptr) return;
+  const source::SourceFrame& frame = *transit_[static_cast<std::size_t>(index)].given;
   // A frame that will not be admitted must not count as newer than one that will.
-  if (!item.performer->admission.session.Plausible(item.frame->machine, item.frame->session,
-                                                   item.frame->sequence, receive_ns_, rules_)) {
+  if (!performer->admission.session.Plausible(frame.machine, frame.session, frame.sequence,
+                                              receive_ns_, rules_)) {
     return;
   }
-  int& newest = item.performer->newest_in_batch;
+  int& newest = performer->newest_in_batch;
   if (newest >= 0) {  // a later duplicate or old frame is not newer
-    const auto& best = *items_[static_cast<std::size_t>(newest)].frame;
-    if (best.session == item.frame->session && best.sequence >= item.frame->sequence) return;
+    const source::SourceFrame& best = *transit_[static_cast<std::size_t>(newest)].given;
+    if (best.session == frame.session && best.sequence >= frame.sequence) return;
   }
   newest = index;
 }
 
-void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot) {
+void Pipeline::AcceptFrame(int source, int index, bool full, runtime::HotSection& hot) {
+  const auto at = static_cast<std::size_t>(index);
+  FrameInTransit& transit = transit_[at];
+  const source::SourceFrame& frame = *transit.given;
   // A body earlier in the batch may have created the performer.
-  if (item.performer == nullptr) item.performer = roster_.Find(source, item.frame->performer);
-  if (item.performer == nullptr) {
+  if (whose_[at] == nullptr) whose_[at] = roster_.Find(source, frame.performer);
+  if (whose_[at] == nullptr) {
     to_.counters.AddOf(source, Counter::kPipelineBeforeBody);
     return;
   }
-  Performer& performer = *item.performer;
+  Performer& performer = *whose_[at];
   // A performer's second frame, or a full batch, ends the group that is styled together.
   const auto last = accepted_.begin() + static_cast<std::ptrdiff_t>(accepted_count_);
   if (accepted_count_ == accepted_.size() ||
@@ -132,57 +141,56 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
     hot.Enter();
   }
   const std::int64_t before_ns = performer.admission.session.elapsed_ns();
-  if (!Admit(performer, item)) return;
+  if (!Admit(performer, frame)) return;
   performer.admission.sends_frames = true;
-  performer.latency.rig.NoteFrame(item.frame->sequence, performer.admission.session.elapsed_ns());
+  performer.latency.rig.NoteFrame(frame.sequence, performer.admission.session.elapsed_ns());
 
   const std::int64_t now_ns = to_.clock.Now_ns();
   const std::int64_t lateness_ns =
       performer.admission.schedule.Lateness_ns(performer.admission.session.elapsed_ns(), now_ns);
   AwaitNext(performer, before_ns);
-  const auto at = static_cast<std::size_t>(index);
-  standby::Outcome& outcome = outcomes_[at];
-  outcome.late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
+  Decision& decision = transit.decision;
+  decision.late = lateness_ns > Nanoseconds(roster_.config().performers.late_s);
   bool passed_over = PassOver(performer, index, full, lateness_ns);
   if (!decided_.empty()) {
-    outcome.late = decided_[at].late;
-    passed_over = decided_[at].fate == v1::FATE_PASSED_OVER;
+    const Decision& leaders = decided_[at].decision;
+    decision.late = leaders.late;
+    passed_over = leaders.fate == v1::FATE_PASSED_OVER;
     // The pose of a performer who waits for a calibration is only remembered.
-    if (decided_[at].fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
-    if (decided_[at].fate == v1::FATE_STYLED) {
-      performer.profile.next_sequence = decided_[at].published;
-      performer.Relieve(decided_[at].relieved);
+    if (leaders.fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
+    if (leaders.fate == v1::FATE_STYLED) {
+      performer.profile.next_sequence = leaders.sequence;
+      performer.Relieve(leaders.relieved);
     }
   }
   if (passed_over) {
-    outcome.fate = v1::FATE_PASSED_OVER;
+    decision.fate = v1::FATE_PASSED_OVER;
     to_.counters.AddOf(source, Counter::kPipelineBacklogDropped);
-    if (now_ns - ArrivalOf(*item.frame) > performer.latency.rig.period_ns()) ++batch_.dropped;
+    if (now_ns - ArrivalOf(frame) > performer.latency.rig.period_ns()) ++batch_.dropped;
     return;  // not a refusal: the newest frame is sent
   }
-  if (item.frame->has_timecode && !roster_.config().cues.empty()) {
-    PassCues(performer, item.frame->timecode, hot);
+  if (frame.has_timecode && !roster_.config().cues.empty()) {
+    PassCues(performer, frame.timecode, hot);
   }
-  Performer::FrameContext context;
-  context.elapsed_ns = performer.admission.session.elapsed_ns();
-  context.arrival_ns = ArrivalOf(*item.frame);
-  context.receive_ns = receive_ns_;
-  context.wall_ns = wall_ns_ - (receive_ns_ - context.arrival_ns);
-  context.source_sequence = item.frame->sequence;
-  context.extra_flags = outcome.late ? v1::FLAG_LATE : v1::FLAG_NONE;
-  context.face = layers_.FaceOf(performer.profile.id, item.frame->face, receive_ns_);
-  const auto accepted = performer.Accept(*item.frame, context);
-  if (accepted != Performer::Accepted::kOk) {
-    const Counter why = accepted == Performer::Accepted::kWrongSize
-                            ? Counter::kPipelineWrongSize
-                            : Counter::kPipelineUncalibrated;
+  transit.source_sequence = frame.sequence;
+  transit.source_time_ns = frame.source_time_ns;
+  transit.has_timecode = frame.has_timecode;
+  transit.timecode = frame.timecode;
+  transit.elapsed_ns = performer.admission.session.elapsed_ns();
+  transit.arrival_ns = ArrivalOf(frame);
+  transit.receive_ns = receive_ns_;
+  transit.wall_ns = wall_ns_ - (receive_ns_ - transit.arrival_ns);
+  transit.flags = decision.late ? v1::FLAG_LATE : v1::FLAG_NONE;
+  transit.face = layers_.FaceOf(performer.profile.id, frame.face, receive_ns_);
+  const Counter why = performer.Accept(transit);
+  if (why != Decision::kNoReason) {
     to_.counters.AddOf(source, why);
     performer.admission.MarkRefused(why);
     return;
   }
-  outcome.fate = v1::FATE_STYLED;
-  outcome.relieved = performer.relieved();
-  if (outcome.relieved) {
+  decision.fate = v1::FATE_STYLED;
+  decision.relieved = performer.relieved();
+  if (decision.relieved) {
     performer.CountRelieved();
     to_.counters.AddOf(source, Counter::kPipelineOverloadBypassed);
   }
@@ -190,7 +198,7 @@ void Pipeline::AcceptFrame(int source, Item& item, int index, bool full, runtime
   accepted_[accepted_count_++] = &performer;
   performer.admission.MarkLive(receive_ns_);
   to_.counters.Add(Counter::kPipelineFrames);
-  if (outcome.late) to_.counters.Add(Counter::kPipelineLate);
+  if (decision.late) to_.counters.Add(Counter::kPipelineLate);
 }
 
 // Styles and sends the accepted frames. Leaves the hot section.
@@ -216,18 +224,18 @@ void Pipeline::StyleAccepted(runtime::HotSection& hot) {
   for (std::size_t i = 0; i < batch.size(); ++i) {
     batch[i]->Send(to_.publisher, bundles_, sent_ns);
     sent_ns = to_.clock.Now_ns();
-    items_[static_cast<std::size_t>(accepted_items_[i])].sent_ns = sent_ns;
+    FrameInTransit& transit = transit_[static_cast<std::size_t>(accepted_items_[i])];
+    transit.sent_ns = sent_ns;
+    transit.decision.sequence = batch[i]->frame().decision.sequence;
   }
   if (to_.standby != nullptr) {
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const auto at = static_cast<std::size_t>(accepted_items_[i]);
-      standby::Outcome& outcome = outcomes_[at];
-      outcome.published = batch[i]->profile.next_sequence - 1;
-      outcome.styled_crc = batch[i]->StyledCrc();
+      transit_[at].styled_crc = batch[i]->StyledCrc();
       const body::Pose* const pose = batch[i]->styled();
       if (pose == nullptr) continue;
-      rounded_poses_[at] = standby::Rounded(*pose);
-      outcome.rounded_pose = std::as_bytes(std::span(&rounded_poses_[at], 1));
+      rounded_poses_[at] = log::Rounded(*pose);
+      transit_[at].rounded_pose = std::as_bytes(std::span(&rounded_poses_[at], 1));
     }
   }
   stages_.AddFrames(batch.size());
@@ -252,13 +260,13 @@ void Pipeline::MeasureLatencies(int source, std::span<const source::SourceFrame>
   if (!leads()) return;
   const std::int64_t now_ns = to_.clock.Now_ns();
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (items_[i].sent_ns == 0) continue;
+    if (transit_[i].sent_ns == 0) continue;
     // A new performer later in the batch has cleared the pointers.
-    Performer* performer = items_[i].performer;
+    Performer* performer = whose_[i];
     if (performer == nullptr) performer = roster_.Find(source, frames[i].performer);
     if (performer == nullptr) continue;
     ++batch_.sent;
-    const std::int64_t left_ns = bundled ? now_ns : items_[i].sent_ns;
+    const std::int64_t left_ns = bundled ? now_ns : transit_[i].sent_ns;
     if (!performer->latency.Add(left_ns - ArrivalOf(frames[i]))) continue;
     ++batch_.late;
     to_.counters.AddOf(source, Counter::kPipelineOverBudgetFrames);
@@ -281,7 +289,8 @@ void Pipeline::AwaitNext(Performer& performer, std::int64_t before_ns) noexcept 
   const std::int64_t period_ns = elapsed_ns - before_ns;
   const bool steady = period_ns > 0 && period_ns < kLongestPeriod_ns;
   performer.admission.anticipation.Await(
-      steady ? performer.admission.schedule.Due_ns(elapsed_ns + period_ns) : Anticipation::kNever);
+      steady ? performer.admission.schedule.Due_ns(elapsed_ns + period_ns)
+             : decide::Anticipation::kNever);
 }
 
 // Most frames pass no cue and stay in the hot section.
@@ -305,30 +314,30 @@ void Pipeline::PassCues(Performer& performer, const Timecode& timecode, runtime:
   hot.Enter();
 }
 
-bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
+bool Pipeline::Admit(Performer& performer, const source::SourceFrame& frame) noexcept {
   const auto count = [&](Counter counter) {
     to_.counters.AddOf(performer.source, counter);
     performer.admission.MarkRefused(counter);
     return false;
   };
   const std::uint64_t lost = performer.admission.session.lost();
-  switch (performer.admission.session.Admit(item.frame->machine, item.frame->session,
-                                            item.frame->sequence, receive_ns_, rules_)) {
-    case Session::Arrival::kDuplicate:
+  switch (performer.admission.session.Admit(frame.machine, frame.session, frame.sequence,
+                                            receive_ns_, rules_)) {
+    case decide::Session::Arrival::kDuplicate:
       return count(Counter::kPipelineDuplicate);
-    case Session::Arrival::kReordered:
+    case decide::Session::Arrival::kReordered:
       return count(Counter::kPipelineReordered);
-    case Session::Arrival::kSecondSender:
+    case decide::Session::Arrival::kSecondSender:
       return count(Counter::kPipelineSecondSender);
-    case Session::Arrival::kFarAhead:
+    case decide::Session::Arrival::kFarAhead:
       return count(Counter::kPipelineFarAhead);
-    case Session::Arrival::kNewSession:
+    case decide::Session::Arrival::kNewSession:
       StartSession(performer);
       break;
-    case Session::Arrival::kRecounted:
+    case decide::Session::Arrival::kRecounted:
       Recount(performer);
       break;
-    case Session::Arrival::kNext:
+    case decide::Session::Arrival::kNext:
       break;
   }
   if (performer.admission.session.lost() > lost) {
@@ -337,22 +346,22 @@ bool Pipeline::Admit(Performer& performer, const Item& item) noexcept {
   }
   // A session that has not sent its body may still refer to the last session's body.
   if (!performer.binding().has_body() ||
-      (item.frame->body_crc == 0 && !performer.admission.session_has_body)) {
+      (frame.body_crc == 0 && !performer.admission.session_has_body)) {
     return count(Counter::kPipelineBeforeBody);
   }
-  if (item.frame->body_crc != 0 && item.frame->body_crc != performer.binding().crc()) {
+  if (frame.body_crc != 0 && frame.body_crc != performer.binding().crc()) {
     return count(performer.admission.session_has_body ? Counter::kPipelineWrongBody
                                                       : Counter::kPipelineBeforeBody);
   }
-  switch (performer.admission.session.AdmitTime(item.frame->source_time_ns, rules_)) {
-    case Session::Time::kOld:
+  switch (performer.admission.session.AdmitTime(frame.source_time_ns, rules_)) {
+    case decide::Session::Time::kOld:
       return count(Counter::kPipelineOldTime);
-    case Session::Time::kJump:
+    case decide::Session::Time::kJump:
       to_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
       StartSession(performer);
       performer.admission.session_has_body = true;  // the sender is the same
       break;
-    case Session::Time::kNext:
+    case decide::Session::Time::kNext:
       break;
   }
   return true;
@@ -435,7 +444,7 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
   if (fresh) {
     performer = roster_.Add(source, body.performer, receive_ns_);
     // Another performer may have been replaced, and its frames may still be in this batch.
-    for (Item& other : items_) other.performer = nullptr;
+    whose_.fill(nullptr);
   }
   if (performer == nullptr) {
     to_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
@@ -452,15 +461,16 @@ void Pipeline::AcceptBody(int source, const source::SourceFrame& body) {
   if (performer->admission.session.lost() > lost) {
     to_.counters.AddOf(source, Counter::kPipelineLost, performer->admission.session.lost() - lost);
   }
-  if (arrival == Session::Arrival::kDuplicate) {
+  if (arrival == decide::Session::Arrival::kDuplicate) {
     return refuse(Counter::kPipelineDuplicate);
   }
-  if (arrival == Session::Arrival::kSecondSender) return refuse(Counter::kPipelineSecondSender);
-  if (arrival == Session::Arrival::kFarAhead) return refuse(Counter::kPipelineFarAhead);
-  if (arrival == Session::Arrival::kNewSession) StartSession(*performer);
-  if (arrival == Session::Arrival::kRecounted) Recount(*performer);
+  if (arrival == decide::Session::Arrival::kSecondSender)
+    return refuse(Counter::kPipelineSecondSender);
+  if (arrival == decide::Session::Arrival::kFarAhead) return refuse(Counter::kPipelineFarAhead);
+  if (arrival == decide::Session::Arrival::kNewSession) StartSession(*performer);
+  if (arrival == decide::Session::Arrival::kRecounted) Recount(*performer);
   // A session's first body is accepted even if frames overtook it.
-  if (arrival == Session::Arrival::kReordered && performer->admission.session_has_body) {
+  if (arrival == decide::Session::Arrival::kReordered && performer->admission.session_has_body) {
     return refuse(Counter::kPipelineReordered);
   }
   AdoptBody(*performer, body, fresh);

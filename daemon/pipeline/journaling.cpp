@@ -143,8 +143,8 @@ void Pipeline::JournalFrames(int source, std::span<const source::SourceFrame> fr
   batch.set_source(static_cast<std::uint32_t>(source));
   batch.set_name(roster_.source_names()[static_cast<std::size_t>(source)]);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (outcomes_[i].put_off) continue;
-    standby::Write(frames[i], outcomes_[i], *batch.add_frames());
+    if (transit_[i].decision.postponed) continue;
+    log::Write(transit_[i], *batch.add_frames());
   }
   to_.standby->Send(receive_ns_, wall_ns_);
 }
@@ -163,7 +163,7 @@ void Pipeline::JournalSilence(std::int64_t now_ns) {
 void Pipeline::JournalRequest(const v1::Request& request, const v1::Reply& reply) {
   if (to_.standby == nullptr || !to_.standby->leads()) return;
   const bool done = reply.code() == v1::CODE_OK || reply.has_like();  // the style is made
-  if (!done || !record::Changes(request)) return;
+  if (!done || !log::Changes(request)) return;
   if (!to_.standby->wanted()) return to_.standby->SkipEntry();
   v1::Request& entry = *to_.standby->NewEntry().mutable_request();
   entry = request;

@@ -77,13 +77,6 @@ class Pipeline final : public Worker, public source::Receiver {
   void OnNews(int source, const std::string& text) override;
 
  private:
-  // One frame or body of a batch.
-  struct Item {
-    const source::SourceFrame* frame = nullptr;
-    Performer* performer = nullptr;  // null: unknown yet, or a body
-    std::int64_t sent_ns = 0;        // when its last topic was sent; 0: not sent
-  };
-
   // A body whose binding waits for a later turn, or a frame behind it.
   struct PutOff {
     int source = 0;
@@ -170,7 +163,7 @@ class Pipeline final : public Worker, public source::Receiver {
   bool PutOffFrame(int source, const source::SourceFrame& frame);
   int DoPutOff();
   void AcceptBody(int source, const source::SourceFrame& body);
-  void AcceptFrame(int source, Item& item, int index, bool full, runtime::HotSection& hot);
+  void AcceptFrame(int source, int index, bool full, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
   bool SendBundles() noexcept;
   // When the frame arrived, on the clock's Now_ns(), at the latest with its batch.
@@ -184,7 +177,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
   // Whether the frame's session, sequence and body are valid for the performer; counts the refusal
   // if not.
-  STYLED_REALTIME bool Admit(Performer& performer, const Item& item) noexcept;
+  STYLED_REALTIME bool Admit(Performer& performer, const source::SourceFrame& frame) noexcept;
   STYLED_REALTIME void StartSession(Performer& performer) noexcept;
   STYLED_REALTIME void Recount(Performer& performer) noexcept;
   void AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh);
@@ -208,17 +201,17 @@ class Pipeline final : public Worker, public source::Receiver {
   Roster roster_;
   Commands commands_;
   Takes takes_;
-  SessionRules rules_;
-  std::int64_t receive_ns_ = 0, wall_ns_ = 0;  // of the current batch, or the last
-  std::array<Item, source::kBatch> items_;
+  decide::SessionRules rules_;
+  std::int64_t receive_ns_ = 0, wall_ns_ = 0;                   // of the current batch, or the last
+  std::array<decide::FrameInTransit, source::kBatch> transit_;  // the batch's frames and bodies
+  std::array<Performer*, source::kBatch> whose_{};              // null: unknown yet, or a body
   // Frames of the batch that will be styled together, each of another performer.
   std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
   std::size_t accepted_count_ = 0;
   std::array<int, stylist::Stylist::kTogether> accepted_items_{};  // their places in the batch
   Holder holder_{*this};
-  std::array<standby::Outcome, source::kBatch> outcomes_;  // of the batch's frames
   // Of the batch that a standby does again: what the leader made of each frame. Else empty.
-  std::span<const standby::Outcome> decided_;
+  std::span<const decide::FrameInTransit> decided_;
   bool feeds_ = false;  // what was held is handled: no frame of it is passed over
   v1::Silence silence_;
   std::deque<std::unique_ptr<PutOff>> put_off_;  // oldest first
@@ -255,16 +248,16 @@ class Pipeline final : public Worker, public source::Receiver {
     std::size_t place = 0;  // of kFading
   };
   std::deque<Part> unsent_;
-  std::deque<std::string> unsent_settings_;                         // ids, of the parts kSettings
-  std::array<standby::RoundedPose, source::kBatch> rounded_poses_;  // of the batch's frames
+  std::deque<std::string> unsent_settings_;                     // ids, of the parts kSettings
+  std::array<log::RoundedPose, source::kBatch> rounded_poses_;  // of the batch's frames
   Stages stages_;
   Stats stats_;
   EventLog log_;
   publish::SubscriptionEvent subscription_;
   int busy_cycles_ = 0;  // since silence was last checked
   runtime::WallWatch wall_watch_;
-  Overload overload_;
-  Overload::Batch batch_;  // the current one
+  decide::Overload overload_;
+  decide::Overload::Batch batch_;  // the current one
 };
 
 }  // namespace styled::pipeline

@@ -43,7 +43,7 @@ std::int64_t Pipeline::NextDeadline_ns() const {
 std::int64_t Pipeline::Prepare_ns(const Performer& performer) const {
   const std::int64_t prepare_ns = performer.admission.anticipation.prepare_ns();
   const bool warm = prepare_ns < receive_ns_ + kStaysWarm_ns;
-  return warm && !to_.polls ? Anticipation::kNever : prepare_ns;
+  return warm && !to_.polls ? decide::Anticipation::kNever : prepare_ns;
 }
 
 bool Pipeline::Expects(std::int64_t now_ns) const {
@@ -204,11 +204,11 @@ int Pipeline::LogLayers(std::int64_t now_ns) {
 
 void Pipeline::Stale(Performer& performer, std::int64_t now_ns) {
   performer.admission.MarkStale();
-  Performer::FrameContext context;
-  context.arrival_ns = context.receive_ns = performer.admission.last_frame_ns();
-  context.publish_ns = now_ns;
-  context.wall_ns = to_.clock.Wall_ns();
-  if (!performer.Repeat(context)) return;
+  decide::FrameInTransit now;
+  now.arrival_ns = now.receive_ns = performer.admission.last_frame_ns();
+  now.publish_ns = now_ns;
+  now.wall_ns = to_.clock.Wall_ns();
+  if (!performer.Repeat(now)) return;
   performer.Send(to_.publisher, bundles_, now_ns);
   SendBundles();
   to_.counters.Add(Counter::kPipelineStale);

@@ -460,11 +460,11 @@ void Standby::Failed(std::string why) {
   if (Now_ns() - asked_ns_ >= kAgain_ns) Refetch();
 }
 
-void Standby::Compared(Comparison comparison) {
+void Standby::Compared(log::Comparison comparison) {
   if (sync_ != Sync::kReady || gap_) return;
-  const bool apart = comparison == Comparison::kApart;
+  const bool apart = comparison == log::Comparison::kApart;
   ++compared_;
-  different_ += comparison == Comparison::kSame ? 0 : 1;
+  different_ += comparison == log::Comparison::kSame ? 0 : 1;
   apart_ += apart ? 1 : 0;
   apart_of_last_[compared_at_] = apart;
   compared_at_ = (compared_at_ + 1) % kWindow;

@@ -122,7 +122,7 @@ class Standby {
   void Refetch();
   // How a frame was styled: the whole state is fetched again where poses are apart, at most every
   // 10 s. Counts only while the standby has everything.
-  void Compared(Comparison comparison);
+  void Compared(log::Comparison comparison);
   // The last frames that the leader handled, by performer id.
   std::unordered_map<std::string, LastHandled> last;
   // Ids of performers whose settings the leader keeps.

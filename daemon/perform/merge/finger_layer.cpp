@@ -125,11 +125,11 @@ Counter FingerLayer::Take(const source::SourceFrame& frame, std::int64_t now_ns)
   }
   if (bound_ == nullptr) return Counter::kPipelineUncalibrated;
   const auto time = admission_.session.AdmitTime(frame.source_time_ns, kRules);
-  if (time == Session::Time::kOld) return Counter::kPipelineOldTime;
+  if (time == decide::Session::Time::kOld) return Counter::kPipelineOldTime;
   Bound& bound = *bound_;
   const auto joints = static_cast<int>(bound.pose.rotations.size());
   if (!source::CopyPose(frame, joints, bound.pose)) return Counter::kPipelineWrongSize;
-  if (time == Session::Time::kJump) bound.smoothing.Reset();
+  if (time == decide::Session::Time::kJump) bound.smoothing.Reset();
   HoldBadJoints(bound);
   bound.smoothing.Apply(bound.pose, admission_.session.elapsed_ns());
   bound.tail.Read(bound.pose.rotations, bound.turns);

@@ -14,23 +14,23 @@ Counter MergedPart::Admit(const source::SourceFrame& frame, std::int64_t now_ns)
     if (now_ns - admission_.session.last_arrival_ns() < kHold_ns && !performer_.empty()) {
       return Counter::kPipelineSecondSender;
     }
-    admission_ = Admission();
+    admission_ = decide::Admission();
     performer_.assign(frame.performer.substr(0, kLongestName));
   }
   switch (admission_.session.Admit(frame.machine, frame.session, frame.sequence, now_ns, kRules)) {
-    case Session::Arrival::kDuplicate:
+    case decide::Session::Arrival::kDuplicate:
       return Counter::kPipelineDuplicate;
-    case Session::Arrival::kReordered:
+    case decide::Session::Arrival::kReordered:
       return Counter::kPipelineReordered;
-    case Session::Arrival::kSecondSender:
+    case decide::Session::Arrival::kSecondSender:
       return Counter::kPipelineSecondSender;
-    case Session::Arrival::kFarAhead:
+    case decide::Session::Arrival::kFarAhead:
       return Counter::kPipelineFarAhead;
-    case Session::Arrival::kNewSession:
+    case decide::Session::Arrival::kNewSession:
       admission_.StartSession();
       break;
-    case Session::Arrival::kRecounted:  // the same sender: its body stays valid
-    case Session::Arrival::kNext:
+    case decide::Session::Arrival::kRecounted:  // the same sender: its body stays valid
+    case decide::Session::Arrival::kNext:
       break;
   }
   return kTaken;

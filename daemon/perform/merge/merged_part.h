@@ -40,8 +40,8 @@ class MergedPart {
   std::int64_t taken_ns() const { return taken_ns_; }
   bool any() const { return any_; }
 
-  static constexpr SessionRules kRules{kHold_ns, 1'000'000'000};
-  Admission admission_;
+  static constexpr decide::SessionRules kRules{kHold_ns, 1'000'000'000};
+  decide::Admission admission_;
 
  private:
   static constexpr std::size_t kLongestName = 32;  // config::IsName

@@ -72,11 +72,11 @@ bool Outputs::Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
   return failed;
 }
 
-void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
-                        const Styling& styling, std::span<const std::byte> face) noexcept {
+void Outputs::Serialize(const decide::FrameInTransit& frame, const Styling& styling,
+                        std::span<const std::byte> face) noexcept {
   const stylist::Output& out = styling.out();
   const auto fill = [&](publish::FrameMessage& message, std::uint32_t frame_flags) {
-    message.SetHeader(header, frame_flags);
+    message.SetHeader(frame, frame_flags);
     message.SetStyles({out.in_force.data(), static_cast<std::size_t>(out.in_force_count)});
     for (std::size_t j = 0; out.held.any() && j < styling.in().rotations.size(); ++j) {
       if (out.held.test(j)) message.AddHeld(static_cast<int>(j));
@@ -88,7 +88,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
     publish::FrameMessage& message = *messages_[i];
     // Without held joints, the output equals the source bit for bit.
     const std::uint32_t own = i == kSource && !out.held.any() ? v1::FLAG_BYPASS : 0;
-    fill(message, flags | own);
+    fill(message, frame.flags | own);
     if (i == kRig) message.SetPose(styling.rig_root(), out.rig.rotations);
     if (i == kSource) message.SetPose(out.source.translations.front(), out.source.rotations);
     if (i == kCanonical) message.SetPose(out.canonical.hips_position_m, canonical_);
@@ -97,7 +97,7 @@ void Outputs::Serialize(const publish::FrameHeader& header, std::uint32_t flags,
   for (const auto& stream : streams_) {
     const std::uint32_t own = stream->failed() ? v1::FLAG_FAILED : 0;
     stream->Serialize(face, [&](publish::FrameMessage& message) {
-      fill(message, (flags & ~std::uint32_t{v1::FLAG_BYPASS}) | own);
+      fill(message, (frame.flags & ~std::uint32_t{v1::FLAG_BYPASS}) | own);
     });
   }
 }

@@ -53,8 +53,8 @@ class Outputs {
   STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
                                 const CarriedProps& props) noexcept;
   // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
-  STYLED_REALTIME void Serialize(const publish::FrameHeader& header, std::uint32_t flags,
-                                 const Styling& styling, std::span<const std::byte> face) noexcept;
+  STYLED_REALTIME void Serialize(const decide::FrameInTransit& frame, const Styling& styling,
+                                 std::span<const std::byte> face) noexcept;
   // Sends what Serialize prepared, and adds it to the bundles. `repeats`: it is the last pose
   // again, which does not count as published.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns,

@@ -154,50 +154,48 @@ void Performer::Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
   c.Time(faced_ns_);
 }
 
-Performer::Accepted Performer::Accept(const source::SourceFrame& frame,
-                                      const FrameContext& context) noexcept {
-  if (!binding_.Receive(frame, context.receive_ns)) return Accepted::kWrongSize;
-  if (!styling_) return Accepted::kUncalibrated;
+runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexcept {
+  const source::SourceFrame& frame = *transit.given;
+  if (!binding_.Receive(frame, transit.receive_ns)) return runtime::Counter::kPipelineWrongSize;
+  if (!styling_) return runtime::Counter::kPipelineUncalibrated;
   if (const std::size_t left_out = props_->Take(frame.props, frame.scene_props); left_out > 0) {
     counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
   }
   if (smoothing_.active()) props_->TakeUnfiltered(binding_.received());
-  smoothing_.Apply(binding_.received(), context.elapsed_ns);
+  smoothing_.Apply(binding_.received(), transit.elapsed_ns);
   styling_->SetInput(binding_.received());
-  fingers_.Apply(context.elapsed_ns, styling_->in());
-  header_.source_time_ns = frame.source_time_ns;
-  header_.source_sequence = context.source_sequence;
-  header_.has_timecode = frame.has_timecode;
-  header_.timecode = frame.timecode;
-  face_.assign(context.face.begin(), context.face.end());
-  context_ = context;
-  context_.face = {};
-  return Accepted::kOk;
+  fingers_.Apply(transit.elapsed_ns, styling_->in());
+  face_.assign(transit.face.begin(), transit.face.end());
+  frame_ = transit;
+  frame_.given = nullptr;
+  frame_.face = {};
+  return decide::Decision::kNoReason;
 }
 
-stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(context_.elapsed_ns); }
+stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(frame_.elapsed_ns); }
 
 void Performer::LeavePropsTo(const Performer& other) noexcept {
   if (other.shares_props()) props_->LeaveTo(*other.props_);
 }
 
 void Performer::Finish(std::int64_t publish_ns) noexcept {
-  context_.publish_ns = publish_ns;
+  frame_.publish_ns = publish_ns;
   // Retargeting needs canonical axes, so it comes before the poses are transformed to the rig's
   // axes.
-  const bool failed = outputs.Retarget(context_.elapsed_ns, styling_->out(), *props_);
+  const bool failed = outputs.Retarget(frame_.elapsed_ns, styling_->out(), *props_);
   styling_->Finish(failed ? stylist::kFailed : 0U);
   WatchFacing();
-  Serialize(styling_->out().flags | context_.extra_flags, context_);
+  frame_.flags |= styling_->out().flags;
+  Serialize();
   repeats_ = false;
 }
 
 void Performer::WatchFacing() noexcept {
-  const std::int64_t step_ns = context_.elapsed_ns - std::exchange(faced_ns_, context_.elapsed_ns);
+  const std::int64_t step_ns = frame_.elapsed_ns - std::exchange(faced_ns_, frame_.elapsed_ns);
   facing_.Sample(styling_->out().canonical_input, static_cast<double>(step_ns) * 1e-9);
   backwards_ = binding_.body().toes_backwards || facing_.backwards();
   if (!backwards_) return;
-  context_.extra_flags |= v1::FLAG_BACKWARDS;
+  frame_.flags |= v1::FLAG_BACKWARDS;
   counters_.Add(runtime::Counter::kPipelineBackwards);
 }
 
@@ -213,22 +211,24 @@ std::uint32_t Performer::StyledCrc() const noexcept {
   return native::Crc32c(std::as_bytes(std::span(pose->rotations))) ^ std::rotl(hips, 1);
 }
 
-bool Performer::Repeat(FrameContext context) noexcept {
+bool Performer::Repeat(const decide::FrameInTransit& now) noexcept {
   if (!styling_ || !styling_->has_output()) return false;
   const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
   const std::uint32_t backwards = backwards_ ? v1::FLAG_BACKWARDS : v1::FLAG_NONE;
-  Serialize((styling_->out().flags & ~once) | backwards | v1::FLAG_STALE, context);
+  frame_.flags = (styling_->out().flags & ~once) | backwards | v1::FLAG_STALE;
+  frame_.arrival_ns = now.arrival_ns;
+  frame_.receive_ns = now.receive_ns;
+  frame_.publish_ns = now.publish_ns;
+  frame_.wall_ns = now.wall_ns;
+  Serialize();
   repeats_ = true;
   return true;
 }
 
-void Performer::Serialize(std::uint32_t flags, const FrameContext& context) noexcept {
-  header_.sequence = profile.next_sequence++;
-  header_.receive_time_ns = context.arrival_ns;
-  header_.publish_time_ns = context.publish_ns;
-  header_.wall_time_ns = context.wall_ns;
-  header_.contacts = styling_->out().contacts;
-  outputs.Serialize(header_, flags, *styling_, face_);
+void Performer::Serialize() noexcept {
+  frame_.decision.sequence = profile.next_sequence++;
+  frame_.contacts = styling_->out().contacts;
+  outputs.Serialize(frame_, *styling_, face_);
 }
 
 void Performer::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/decide/admission.h"
+#include "daemon/decide/frame_in_transit.h"
 #include "daemon/looks/profile.h"
 #include "daemon/looks/runtime_config.h"
 #include "daemon/perform/performer/binding.h"
@@ -25,8 +26,8 @@
 namespace styled::pipeline {
 
 // The live state of one performer, from its first body until it is forgotten: its datagrams
-// (Admission), its body and calibration (PerformerBinding), its stylist (Styling) and its published
-// output (Outputs). Pipeline thread only.
+// (decide::Admission), its body and calibration (PerformerBinding), its stylist (Styling) and its
+// published output (Outputs). Pipeline thread only.
 class Performer {
  public:
   // `profile` and all references must outlive it. `source` and `name` make up the profile's id.
@@ -83,27 +84,20 @@ class Performer {
   // Stylist::ProcessTogether runs the jobs of Style(), Attach finds the props in the performer's
   // hands, Finish serializes it for the subscribed topics. A frame whose joint count differs from
   // the body's is refused. While the performer waits for a calibration its pose is only remembered.
-  // `elapsed_ns` is the session's.
-  enum class Accepted : std::uint8_t { kOk, kWrongSize, kUncalibrated };
-  struct FrameContext {
-    std::int64_t elapsed_ns = 0;
-    // arrival_ns: of its datagram; receive_ns: of its batch.
-    std::int64_t arrival_ns = 0, receive_ns = 0, publish_ns = 0, wall_ns = 0;
-    std::uint64_t source_sequence = 0;
-    std::uint32_t extra_flags = 0;
-    std::span<const std::byte> face{};  // what is passed on beside the pose; valid during the call
-  };
-  STYLED_REALTIME Accepted Accept(const source::SourceFrame& frame,
-                                  const FrameContext& context) noexcept;
+  // Accept returns kNoReason, or what the frame is refused as.
+  STYLED_REALTIME runtime::Counter Accept(const decide::FrameInTransit& frame) noexcept;
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
   STYLED_REALTIME void Attach() noexcept { props_->Attach(styling_->out()); }
   // Leaves out the props of the scene that another performer of the same source holds.
   STYLED_REALTIME void LeavePropsTo(const Performer& other) noexcept;
   STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;
+  // The frame that was finished, or is on its way; `given` and `face` are not kept.
+  const decide::FrameInTransit& frame() const noexcept { return frame_; }
   // Brings the next frame's data into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept;
-  // Serializes the last pose again, flagged stale. Returns false if there is none.
-  STYLED_REALTIME bool Repeat(FrameContext context) noexcept;
+  // Serializes the last pose again, flagged stale, with the times of `now`. Returns false if there
+  // is none.
+  STYLED_REALTIME bool Repeat(const decide::FrameInTransit& now) noexcept;
   // Sends what Finish or Repeat serialized, and adds it to the bundles.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns);
 
@@ -118,7 +112,7 @@ class Performer {
   const body::Pose* input() const noexcept {
     return styling_ && styling_->has_output() ? &styling_->out().canonical_input : nullptr;
   }
-  std::int64_t elapsed_ns() const noexcept { return context_.elapsed_ns; }
+  std::int64_t elapsed_ns() const noexcept { return frame_.elapsed_ns; }
 
   // As Fingers::HandsWithoutPlace, of the bound body.
   std::string HandsWithoutPlace() const { return fingers_.HandsWithoutPlace(); }
@@ -136,7 +130,7 @@ class Performer {
   const int source;
   const std::string name;
   const std::int64_t added_ns;  // when this object was made
-  Admission admission;
+  decide::Admission admission;
   Outputs outputs;
   Latency latency;
   std::int64_t next_body_ns = 0;         // when the bodies are due again
@@ -148,14 +142,13 @@ class Performer {
   void UseBinding(const RuntimeConfig& config);
   const rig::JointNames& Names(const RuntimeConfig& config) const;
   STYLED_REALTIME void WatchFacing() noexcept;
-  STYLED_REALTIME void Serialize(std::uint32_t flags, const FrameContext& context) noexcept;
+  STYLED_REALTIME void Serialize() noexcept;
 
   runtime::Counters& counters_;
   PerformerBinding binding_;
   std::optional<Styling> styling_;     // empty until a body is bound
   std::optional<CarriedProps> props_;  // as styling_
-  FrameContext context_;               // of the accepted frame
-  publish::FrameHeader header_;        // its source's part
+  decide::FrameInTransit frame_;       // the accepted one
   PoseSmoothing smoothing_;
   std::vector<FingerLayer*> finger_layers_;
   Fingers fingers_;

@@ -294,7 +294,7 @@ TEST_F(DaemonRecordingTest, WithLessThanMinFreeLeftItPausesAndSaysSo) {
 TEST_F(DaemonRecordingTest, NamesAreMadeOfTheTimeAndNoFileIsTouched) {
   const auto name = [](const std::string& pattern) {
     // 2001-09-09 in every time zone.
-    return record::FileAt(pattern, 1'000'000'000).string();  // 2001-09-09, everywhere
+    return log::FileAt(pattern, 1'000'000'000).string();  // 2001-09-09, everywhere
   };
   EXPECT_EQ(name(folder_ / "take-%Y-%m.styrec"), folder_ / "take-2001-09.styrec");
   EXPECT_TRUE(name(folder_ / "new/").starts_with(folder_ / "new/2001-09-09_"));

@@ -4,7 +4,7 @@
 
 #include "daemon/runtime/clock.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 
 using runtime::kMillisecond_ns;
@@ -73,4 +73,4 @@ TEST(AdmissionTest, TheLastRefusalOfASecondIsNamed) {
 }
 
 }  // namespace
-}  // namespace styled::pipeline
+}  // namespace styled::decide

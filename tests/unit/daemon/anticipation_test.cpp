@@ -4,7 +4,7 @@
 
 #include "daemon/runtime/schedule.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 
 constexpr std::int64_t kDue_ns = 50'000'000;
@@ -62,4 +62,4 @@ TEST(Schedule, KnowsWhenAFrameIsDueByTheShortestWay) {
 }
 
 }  // namespace
-}  // namespace styled::pipeline
+}  // namespace styled::decide

@@ -170,7 +170,7 @@ TEST_F(HostileSenderTest, AStolenSessionIdFromAnotherMachineChangesNothing) {
   Deliver({victim.Body(), victim.Frame()});
   for (int i = 0; i < 200; ++i) {
     VictimSends();
-    Rig thief("victim", victim.session + (i % 2 == 0 ? 0 : kSessionStep));
+    Rig thief("victim", victim.session + (i % 2 == 0 ? 0 : decide::kSessionStep));
     thief.sequence = victim.sequence + static_cast<std::uint64_t>(i);
     thief.time_ns = victim.time_ns + 1000 * kMs_u;
     Deliver({thief.Body(), thief.Frame()}, kElsewhere);

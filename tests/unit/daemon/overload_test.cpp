@@ -10,6 +10,8 @@
 namespace styled::pipeline {
 namespace {
 
+using decide::Overload;
+
 using runtime::Counter;
 using runtime::kMillisecond_ns;
 using runtime::kSecond_ns;

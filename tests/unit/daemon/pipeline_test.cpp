@@ -377,8 +377,8 @@ TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
   clock_.now_ns += static_cast<std::int64_t>(rig_.period_ns);
   Deliver({rig_.Frame()});
   const std::int64_t due_ns = clock_.now_ns + static_cast<std::int64_t>(rig_.period_ns);
-  EXPECT_EQ(pipeline().NextDeadline_ns(), due_ns - Anticipation::kLead_ns);
-  clock_.now_ns = due_ns - Anticipation::kLead_ns - 1;
+  EXPECT_EQ(pipeline().NextDeadline_ns(), due_ns - decide::Anticipation::kLead_ns);
+  clock_.now_ns = due_ns - decide::Anticipation::kLead_ns - 1;
   Work();
   EXPECT_EQ(Count(Counter::kPipelinePrewarmed), 0U);
   EXPECT_FALSE(pipeline().Expects(clock_.now_ns));

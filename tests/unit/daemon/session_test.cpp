@@ -5,7 +5,7 @@
 #include "daemon/runtime/schedule.h"
 #include "tests/support/units.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 
 using Arrival = Session::Arrival;
@@ -197,4 +197,4 @@ TEST(ScheduleTest, ALongerWayThatStaysBecomesTheSchedule) {
 }
 
 }  // namespace
-}  // namespace styled::pipeline
+}  // namespace styled::decide
