@@ -11,6 +11,14 @@
 
 namespace styled::decide {
 
+// From what a frame or body makes its performer's session begin anew.
+enum class Restart : std::uint8_t {
+  kNone,
+  kSession,    // another session of the sender, or another sender
+  kRecount,    // the sender continues from another sequence number
+  kClockJump,  // the sender's clock jumped
+};
+
 // What is done with a frame or body, and why. A leader's standby gets it and does the same.
 struct Decision {
   // Why a frame is refused or passed over, by the counter that counts it.
@@ -18,10 +26,12 @@ struct Decision {
 
   v1::Fate fate = v1::FATE_REFUSED;
   runtime::Counter reason = kNoReason;
+  Restart restart = Restart::kNone;
   bool late = false;             // published behind schedule: FLAG_LATE
   bool relieved = false;         // without style, because the machine cannot keep up
   bool postponed = false;        // a body that a later batch handles, or a frame behind it
   std::uint64_t sequence = 0;    // Frame.sequence, if it is styled
+  std::uint64_t lost = 0;        // sequence numbers skipped before it
   std::int64_t lateness_ns = 0;  // behind the performer's schedule (runtime::Schedule)
 };
 
