@@ -52,8 +52,8 @@ ROWS = {
                        " daemon/publish daemon/source daemon/config daemon/runtime proto model",
     "daemon/standby": "daemon/perform daemon/decide daemon/styles daemon/looks daemon/log daemon/publish"
                       " daemon/source daemon/security daemon/config daemon/runtime proto/styled proto/rigs/native model",
-    "daemon/perform": "daemon/decide daemon/styles daemon/looks daemon/publish daemon/source daemon/config"
-                      " daemon/runtime proto model",
+    "daemon/perform": "daemon/styles daemon/looks daemon/log daemon/publish daemon/decide daemon/source"
+                      " daemon/config daemon/runtime proto model",
     "daemon/styles": "daemon/looks daemon/config daemon/runtime proto model",
     "daemon/looks": "daemon/publish daemon/decide daemon/config daemon/runtime proto/styled model",
     "daemon/log": "daemon/decide daemon/source daemon/config daemon/runtime proto model/base model/body",
