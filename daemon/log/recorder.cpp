@@ -96,8 +96,8 @@ void Recorder::OnRequest(std::int64_t now_ns, const v1::Request& request, const 
   (void)thread_->PushCommand(now_ns, command);
 }
 
-void Recorder::OnNote(std::int64_t now_ns, std::string_view text) noexcept {
-  if (!Paused()) (void)thread_->PushNote(now_ns, text);
+void Recorder::OnReload(std::int64_t now_ns, std::string_view weights) {
+  if (!Paused()) (void)thread_->PushNote(now_ns, "reloaded: weights " + std::string(weights));
 }
 
 std::string Recorder::Check(runtime::Counters& counters) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/log/writer.h"
 #include "daemon/runtime/counters.h"
 #include "daemon/source/transport.h"
 #include "model/base/realtime.h"
@@ -32,7 +33,7 @@ struct About {
 // the format of proto/recording/FORMAT.md. A thread of its own compresses and writes; no other
 // thread waits for it. If the disk is full, slow or gone, records are lost and counted; nothing
 // else suffers. Pinned by tests/e2e/recordings/daemon_test.cpp and tests/realtime.
-class Recorder {
+class Recorder final : public Writer {
  public:
   // Creates the folder and the file. `endpoints[i]` is the address of source i. Errors name the
   // file.
@@ -41,10 +42,10 @@ class Recorder {
                                                  const About& about);
 
   // Pipeline thread, or before it starts.
-  STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept;
+  STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override;
   // A request that was answered; recorded only if it changed something. Allocates.
-  void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply);
-  void OnNote(std::int64_t now_ns, std::string_view text) noexcept;
+  void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply) override;
+  void OnReload(std::int64_t now_ns, std::string_view weights) override;
 
   // Files thread, a few times a second. Checks the disk, sets the counters record.*, and
   // returns a line for the log when a new problem appeared, else "".

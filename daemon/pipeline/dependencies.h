@@ -26,6 +26,8 @@ struct Dependencies {
   // Fades styles out where the machine cannot keep up (overload.h). It depends on the time that
   // styling takes, so a replay does without.
   bool relieves = false;
+
+  bool leads() const { return standby == nullptr || standby->leads(); }
 };
 
 }  // namespace styled::pipeline
