@@ -112,7 +112,9 @@ struct Stylist::Impl {
   double last_gap_s = 0;  // dt_s of the frame before if it exceeded gap_reset_s, else 0
   bool started = false, fresh_session = true;
   bool rests = false;   // see Stylist::Rest
-  bool failed = false;  // a prediction or an output was not sound, and no step has been since
+  // What was not sound in a prediction or an output, and no step has been since.
+  Failure failure = Failure::kNone;
+  bool failed() const { return failure != Failure::kNone; }
 };
 
 Stylist::Stylist(std::shared_ptr<const net::Stylizer> network,
@@ -174,7 +176,10 @@ void Stylist::Carry(Checkpoint& c) noexcept {
   c(s.input_guard, s.neutral, s.predictor, s.filter, s.domain, s.gate, s.posture, s.stride,
     s.shift_m, s.rig_shift, s.feet, s.rig_feet, s.feet_style);
   c.Time(s.last_ns);
-  c(s.dt_s, s.last_gap_s, s.started, s.fresh_session, s.failed);
+  bool failed = s.failed();
+  c(s.dt_s, s.last_gap_s, s.started, s.fresh_session, failed);
+  // Which pose it was, the checkpoint does not tell.
+  if (c.reads()) s.failure = failed ? Failure::kPrediction : Failure::kNone;
 }
 
 // Processes several performers' frames at once, so that step 2 runs for all of them together.
@@ -303,8 +308,12 @@ void Stylist::Impl::RestartAfterGap() noexcept {
 // False if the network's prediction was not sound, in this frame or in the last frame that had a
 // step.
 bool Stylist::Impl::HasSoundSteps() noexcept {
-  failed = predictor.unsound() || (failed && !predictor.any());
-  return !failed;
+  if (predictor.unsound()) {
+    failure = Failure::kPrediction;
+  } else if (predictor.any()) {
+    failure = Failure::kNone;
+  }
+  return !failed();
 }
 
 // The share of its style that a part of the body shows.
@@ -400,15 +409,19 @@ void Stylist::Impl::HoldFeet(Output& out) noexcept {
 
 // If the styled frame is not sound, the performer's own is published instead.
 void Stylist::Impl::GuardOutput(Output& out) noexcept {
-  if (!failed) {
-    failed = !IsSound(out.canonical, out.canonical_input, out.travel.moved_m) ||
-             !IsSound(*binding, out.rig, out.source, out.travel.moved_m);
-    if (failed) {  // their state may be the cause
+  if (!failed()) {
+    if (!IsSound(out.canonical, out.canonical_input, out.travel.moved_m)) {
+      failure = Failure::kCanonical;
+    } else if (!IsSound(*binding, out.rig, out.source, out.travel.moved_m)) {
+      failure = Failure::kRig;
+    }
+    if (failed()) {  // their state may be the cause
       feet.Reset();
       rig_feet.Reset();
     }
   }
-  if (failed) GiveBack(out);
+  out.failure = failure;
+  if (failed()) GiveBack(out);
 }
 
 // Clears the whole state of the styling, because NaN in it would stay for good; the style is then
@@ -429,7 +442,7 @@ void Stylist::Impl::GiveBack(Output& out) noexcept {
 
 void Stylist::Impl::Finish(Output& out) noexcept {
   out.reconstruction_rad = predictor.reconstruction_rad();
-  out.turned_rad = failed ? 0
+  out.turned_rad = failed() ? 0
                           : (filter.applied().leftCols<kJointCount>().colwise().norm().sum() +
                              posture.turned_rad()) /
                                 static_cast<float>(kJointCount);
@@ -440,7 +453,7 @@ void Stylist::Impl::Finish(Output& out) noexcept {
   if (mixer.fading()) out.flags |= kFading;
   if (domain.outside()) out.flags |= kOutOfDomain;
   if (fresh_session) out.flags |= kNewSession;
-  const auto in_force = failed ? std::span<const net::StyleWeight>() : mixer.in_force();
+  const auto in_force = failed() ? std::span<const net::StyleWeight>() : mixer.in_force();
   std::copy(in_force.begin(), in_force.end(), out.in_force.begin());
   out.in_force_count = static_cast<int>(in_force.size());
 

@@ -28,6 +28,14 @@ enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist deci
   kFailed = 256,  // with kBypass: the styled pose was not sound, see Process
 };
 
+// Why a frame is kFailed: which pose was not sound. The numbers are those of styled.v1.Failure.
+enum class Failure : std::uint8_t {
+  kNone,
+  kPrediction,  // what the network predicted, in this frame or in the last one that had a step
+  kCanonical,   // the styled pose on the canonical body
+  kRig,         // the styled pose on the rig's skeleton
+};
+
 // Limit of network steps in one frame, whatever the source's clock does. 60 bridge a gap of 0.25 s
 // at 240 Hz.
 inline constexpr int kMaxStepsPerFrame = 64;
@@ -46,6 +54,7 @@ struct Output {
   rig::RigPose source;    // the input on the source skeleton, with bad joints held
   std::bitset<256> held;  // source joints whose input was bad
   std::uint32_t flags = 0;
+  Failure failure = Failure::kNone;  // with kFailed
   // How many steps the style takes in the time of one of the performer's, smoothed: time is to pass
   // so many times as fast. 1 without Options::own_cadence, and where the performer stands.
   float cadence = 1;
