@@ -61,6 +61,7 @@ class RecordingThread {
   STYLED_REALTIME bool PushPublished(std::int64_t time_ns, std::string_view topic,
                                      std::span<const std::byte> payload) noexcept;
   bool PushCommand(std::int64_t time_ns, const Command& command);  // allocates
+  bool PushDecided(std::int64_t time_ns, const Decided& decided);  // allocates
   bool PushNote(std::int64_t time_ns, std::string_view text) noexcept;
 
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
