@@ -1,5 +1,7 @@
 #include "daemon/decide/decider.h"
 
+#include "daemon/runtime/clock.h"
+
 namespace styled::decide {
 namespace {
 
@@ -37,11 +39,11 @@ Decision Arrive(Admission& admission, const source::SourceFrame& frame, std::int
     case Session::Arrival::kFarAhead:
       return Refused(decision, Counter::kPipelineFarAhead);
     case Session::Arrival::kNewSession:
-      decision.restart = Restart::kSession;
+      decision.restart = v1::RESTART_SESSION;
       admission.StartSession();
       break;
     case Session::Arrival::kRecounted:
-      decision.restart = Restart::kRecount;
+      decision.restart = v1::RESTART_RECOUNT;
       StartWithBody(admission, admission.session_has_body);
       break;
     case Session::Arrival::kNext:
@@ -78,7 +80,7 @@ Decision Decider::Admit(Admission& admission, const Question& question) const no
     case Session::Time::kOld:
       return Refused(decision, Counter::kPipelineOldTime);
     case Session::Time::kJump:
-      decision.restart = Restart::kClockJump;
+      decision.restart = v1::RESTART_CLOCK_JUMP;
       StartWithBody(admission, true);
       break;
     case Session::Time::kNext:

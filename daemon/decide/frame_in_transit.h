@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -7,17 +8,9 @@
 #include "daemon/runtime/counters.h"
 #include "daemon/source/source_frame.h"
 #include "proto/styled/timecode.h"
-#include "proto/styled/v1/journal.pb.h"
+#include "proto/styled/v1/fate.pb.h"
 
 namespace styled::decide {
-
-// From what a frame or body makes its performer's session begin anew.
-enum class Restart : std::uint8_t {
-  kNone,
-  kSession,    // another session of the sender, or another sender
-  kRecount,    // the sender continues from another sequence number
-  kClockJump,  // the sender's clock jumped
-};
 
 // What is done with a frame or body, and why. A leader's standby gets it and does the same.
 struct Decision {
@@ -26,7 +19,7 @@ struct Decision {
 
   v1::Fate fate = v1::FATE_REFUSED;
   runtime::Counter reason = kNoReason;
-  Restart restart = Restart::kNone;
+  v1::Restart restart = v1::RESTART_NONE;
   bool late = false;             // published behind schedule: FLAG_LATE
   bool relieved = false;         // without style, because the machine cannot keep up
   bool postponed = false;        // a body that a later batch handles, or a frame behind it
@@ -34,6 +27,8 @@ struct Decision {
   std::uint64_t lost = 0;        // sequence numbers skipped before it
   std::int64_t lateness_ns = 0;  // behind the performer's schedule (runtime::Schedule)
 };
+
+inline constexpr std::size_t kLimbs = 5;
 
 // A frame or body on its way from the rig to the subscribers: what came and when, what was decided,
 // and what came out. The pipeline has one for each frame of a batch, from its reading until the
@@ -56,8 +51,12 @@ struct FrameInTransit {
   std::int64_t publish_ns = 0;  // when it was styled
   std::int64_t sent_ns = 0;     // when its last topic was sent; 0: not sent
 
-  std::uint32_t flags = 0;     // v1::Flag
+  std::uint32_t flags = 0;     // v1::Flag, of the rig's topic
   std::uint32_t contacts = 0;  // as stylist::Output::contacts
+  v1::Failure failure = v1::FAILURE_NONE;
+  int held_joints = 0, first_held_joint = 0;  // of the rig's joints, how many, and which first
+  // As in stylist::Output, by stylist::Limb.
+  std::array<float, kLimbs> limb_weights{}, limb_errors_m{};
   // Of the styled pose on the canonical body, with a standby only: its CRC-32C, and the bytes of
   // its log::RoundedPose, little-endian (a view; empty: there is no pose).
   std::uint32_t styled_crc = 0;

@@ -56,6 +56,7 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
     case v1::Request::kTakeCheckpoint:
     case v1::Request::kRestoreCheckpoint:
     case v1::Request::kLead:
+    case v1::Request::kExplain:
     case v1::Request::kLike:  // these by the files thread
     case v1::Request::kPreview:
     case v1::Request::kExportStyle:
@@ -68,7 +69,7 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
   Refuse(reply, v1::CODE_UNKNOWN_COMMAND,
          "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
          "calibrate, like, preview, export_style, import_style, rename_style, remove_style, "
-         "take_checkpoint, restore_checkpoint, lead or status");
+         "take_checkpoint, restore_checkpoint, lead, explain or status");
   return true;
 }
 

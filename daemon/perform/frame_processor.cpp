@@ -7,7 +7,6 @@ namespace styled::pipeline {
 
 using decide::Decision;
 using decide::FrameInTransit;
-using decide::Restart;
 using runtime::Counter;
 using runtime::kSecond_ns;
 
@@ -43,7 +42,7 @@ std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
     }
     if (frame.is_body) {
       const std::int64_t begin_ns = on_.clock.Now_ns();
-      ProcessBody(batch.source, frame);
+      ProcessBody(batch.source, transit[at]);
       postponed_.Spend(on_.clock.Now_ns() - begin_ns);
     } else {
       hot.Enter();
@@ -151,12 +150,18 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
   Decision& decision = transit.decision;
   decision = Decide(batch, at, performer);
   CountArrival(performer, decision);
+  FillFrame(performer, transit);
+  const bool admitted =
+      decision.reason == Decision::kNoReason || decision.fate == v1::FATE_PASSED_OVER;
+  if (admitted) performer.latency.rig.NoteFrame(frame.sequence, transit.elapsed_ns);
   if (decision.fate == v1::FATE_PASSED_OVER) {
     on_.counters.AddOf(batch.source, decision.reason);
-    if (on_.clock.Now_ns() - ArrivalOf(frame) > performer.latency.rig.period_ns()) ++load_.dropped;
-    return;  // not a refusal: the newest frame is sent
+    if (on_.clock.Now_ns() - transit.arrival_ns > performer.latency.rig.period_ns()) {
+      ++load_.dropped;
+    }
+    return performer.history.Add(transit);  // not a refusal: the newest frame is sent
   }
-  if (decision.reason != Decision::kNoReason) return Refuse(performer, decision.reason);
+  if (decision.reason != Decision::kNoReason) return Refuse(performer, transit);
   // The leader refused it. The pose of a performer who waits for a calibration is only remembered.
   if (decision.fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
   if (decision.fate == v1::FATE_STYLED && !batch.leaders.empty()) {
@@ -167,11 +172,11 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
   if (frame.has_timecode && !on_.roster.config().cues.empty()) {
     PassCues(performer, frame.timecode, hot);
   }
-  FillTimes(performer, transit);
+  transit.face = on_.layers.FaceOf(performer.profile.id, frame.face, receive_ns_);
   decision.reason = performer.Accept(transit);
   if (decision.reason != Decision::kNoReason) {
     decision.fate = v1::FATE_REFUSED;
-    return Refuse(performer, decision.reason);
+    return Refuse(performer, transit);
   }
   decision.fate = v1::FATE_STYLED;
   decision.relieved = performer.relieved();
@@ -215,23 +220,24 @@ void FrameProcessor::CountArrival(Performer& performer, const Decision& decision
   if (decision.lost > 0) {
     on_.counters.AddOf(performer.source, Counter::kPipelineLost, decision.lost);
   }
-  if (decision.restart == Restart::kNone) return;
-  if (decision.restart == Restart::kClockJump) {
+  if (decision.restart == v1::RESTART_NONE) return;
+  if (decision.restart == v1::RESTART_CLOCK_JUMP) {
     on_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
   }
-  if (decision.restart == Restart::kRecount) {
+  if (decision.restart == v1::RESTART_RECOUNT) {
     on_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
   }
   on_.counters.Add(Counter::kPipelineSessions);
   performer.Restart();
 }
 
-void FrameProcessor::Refuse(Performer& performer, Counter why) noexcept {
-  on_.counters.AddOf(performer.source, why);
-  performer.admission.MarkRefused(why);
+void FrameProcessor::Refuse(Performer& performer, const FrameInTransit& transit) noexcept {
+  on_.counters.AddOf(performer.source, transit.decision.reason);
+  performer.admission.MarkRefused(transit.decision.reason);
+  performer.history.Add(transit);
 }
 
-void FrameProcessor::FillTimes(const Performer& performer, FrameInTransit& transit) const noexcept {
+void FrameProcessor::FillFrame(const Performer& performer, FrameInTransit& transit) const noexcept {
   const source::SourceFrame& frame = *transit.given;
   transit.source_sequence = frame.sequence;
   transit.source_time_ns = frame.source_time_ns;
@@ -242,7 +248,6 @@ void FrameProcessor::FillTimes(const Performer& performer, FrameInTransit& trans
   transit.receive_ns = receive_ns_;
   transit.wall_ns = wall_ns_ - (receive_ns_ - transit.arrival_ns);
   transit.flags = transit.decision.late ? v1::FLAG_LATE : v1::FLAG_NONE;
-  transit.face = on_.layers.FaceOf(performer.profile.id, frame.face, receive_ns_);
 }
 
 // Most frames pass no cue and stay in the hot section.
@@ -290,11 +295,16 @@ void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
   for (std::size_t i = 0; i < group.size(); ++i) {
     group[i]->Send(on_.publisher, on_.bundles, sent_ns);
     sent_ns = on_.clock.Now_ns();
+    // The performer has filled its copy of the frame; what is lent here is not in it.
     FrameInTransit& transit = transit_[accepted_at_[i]];
-    transit.decision.sequence = group[i]->frame().decision.sequence;
-    transit.flags = group[i]->frame().flags;
-    transit.publish_ns = styled_ns;
+    const source::SourceFrame* const given = transit.given;
+    const bool relieved = transit.decision.relieved;
+    transit = group[i]->frame();
+    transit.given = given;
+    transit.decision.fate = v1::FATE_STYLED;
+    transit.decision.relieved = relieved;
     transit.sent_ns = sent_ns;
+    group[i]->history.Add(transit);
   }
   if (logs_poses_) LogPoses(group);
   on_.stages.AddFrames(group.size());
@@ -340,13 +350,16 @@ void FrameProcessor::MeasureLatencies(const Batch& batch, bool bundled) noexcept
     }
     if (performer == nullptr) continue;
     ++load_.sent;
-    if (!performer->latency.Add(transit.sent_ns - transit.arrival_ns)) continue;
+    const std::int64_t latency_ns = transit.sent_ns - transit.arrival_ns;
+    if (bundled) performer->history.NoteSent(transit.decision.sequence, latency_ns);
+    if (!performer->latency.Add(latency_ns)) continue;
     ++load_.late;
     on_.counters.AddOf(batch.source, Counter::kPipelineOverBudgetFrames);
   }
 }
 
-void FrameProcessor::ProcessBody(int source, const source::SourceFrame& body) {
+void FrameProcessor::ProcessBody(int source, FrameInTransit& transit) {
+  const source::SourceFrame& body = *transit.given;
   Performer* performer = on_.roster.Find(source, body.performer);
   const bool fresh = performer == nullptr;
   if (fresh) {
@@ -355,18 +368,23 @@ void FrameProcessor::ProcessBody(int source, const source::SourceFrame& body) {
     whose_.fill(nullptr);
   }
   if (performer == nullptr) {
-    return on_.counters.AddOf(source, Counter::kPipelinePerformersRefused);
+    transit.decision.reason = Counter::kPipelinePerformersRefused;
+    return on_.counters.AddOf(source, transit.decision.reason);
   }
   if (fresh) performer->SetFingers(on_.layers.FingersOf(performer->profile.id));
-  const Decision decision = on_.decider.OfBody(performer->admission, body, receive_ns_);
-  CountArrival(*performer, decision);
-  if (decision.reason != Decision::kNoReason) return Refuse(*performer, decision.reason);
-  AdoptBody(*performer, body, fresh);
+  transit.decision = on_.decider.OfBody(performer->admission, body, receive_ns_);
+  CountArrival(*performer, transit.decision);
+  transit.source_sequence = body.sequence;
+  transit.arrival_ns = ArrivalOf(body);
+  if (transit.decision.reason != Decision::kNoReason) return Refuse(*performer, transit);
+  AdoptBody(*performer, transit, fresh);
 }
 
-void FrameProcessor::AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh) {
+void FrameProcessor::AdoptBody(Performer& performer, FrameInTransit& transit, bool fresh) {
+  const source::SourceFrame& body = *transit.given;
   const auto complain = [&](const std::string& why) {
-    Refuse(performer, Counter::kPipelineBodiesRefused);
+    transit.decision.reason = Counter::kPipelineBodiesRefused;
+    Refuse(performer, transit);
     on_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
                      Event::Level::kWarning, why);
   };

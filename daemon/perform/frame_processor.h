@@ -57,16 +57,16 @@ class FrameProcessor {
                                           Performer& performer) noexcept;
   STYLED_REALTIME void CountArrival(Performer& performer,
                                     const decide::Decision& decision) noexcept;
-  STYLED_REALTIME void Refuse(Performer& performer, runtime::Counter why) noexcept;
-  STYLED_REALTIME void FillTimes(const Performer& performer,
+  STYLED_REALTIME void Refuse(Performer& performer, const decide::FrameInTransit& transit) noexcept;
+  STYLED_REALTIME void FillFrame(const Performer& performer,
                                  decide::FrameInTransit& transit) const noexcept;
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
   void LogPoses(std::span<Performer* const> performers);
   STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
   STYLED_REALTIME void MeasureLatencies(const Batch& batch, bool bundled) noexcept;
-  void ProcessBody(int source, const source::SourceFrame& body);
-  void AdoptBody(Performer& performer, const source::SourceFrame& body, bool fresh);
+  void ProcessBody(int source, decide::FrameInTransit& transit);
+  void AdoptBody(Performer& performer, decide::FrameInTransit& transit, bool fresh);
   // When the frame arrived, on the clock's Now_ns(), at the latest with its batch.
   STYLED_REALTIME std::int64_t ArrivalOf(const source::SourceFrame& frame) const noexcept {
     return frame.arrival_ns == 0 ? receive_ns_ : std::min(frame.arrival_ns, receive_ns_);

@@ -2,6 +2,7 @@
 
 #include "daemon/perform/calibration.h"
 #include "daemon/perform/checkpoints.h"
+#include "daemon/perform/explain.h"
 
 namespace styled::pipeline {
 
@@ -17,6 +18,9 @@ bool PerformRequest(const v1::Request& request,
       break;
     case v1::Request::kTakeCheckpoint:
       TakeCheckpoint(request, roster, now_ns, performance.clock.Wall_ns(), reply);
+      return true;
+    case v1::Request::kExplain:
+      Explain(request, performance, reply);
       return true;
     case v1::Request::kRestoreCheckpoint:
       changed = RestoreCheckpoint(request, roster, performance.layers, now_ns, reply);

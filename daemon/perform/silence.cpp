@@ -12,6 +12,7 @@ bool SendStale(Performance& performance, Performer& performer, std::int64_t now_
   performer.Send(performance.publisher, performance.bundles, now_ns);
   performance.SendBundles();
   performance.counters.Add(runtime::Counter::kPipelineStale);
+  performer.history.Add(performer.frame());
   return true;
 }
 

@@ -92,6 +92,10 @@ enum class Counter : std::uint8_t {
   kStylistFading,
   kStylistNewSession,
   kStylistFailed,
+  kStylistFailedPrediction,  // of these, by the pose that was not sound (v1::Failure)
+  kStylistFailedCanonical,
+  kStylistFailedRig,
+  kStylistFailedAvatar,
   kStylistSteps,  // steps of the network
   kPublishMessages,
   kPublishFailed,

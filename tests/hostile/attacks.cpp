@@ -236,6 +236,18 @@ std::vector<RequestAttack> RequestAttacks() {
          request.mutable_preview()->set_style("style1");
          return request;
        }},
+      {"explain", "AllThatIsKeptAgainAndAgain",
+       [](const Loot&) {
+         v1::Request request = Of("rig.victim");
+         request.mutable_explain()->set_last(std::numeric_limits<std::uint32_t>::max());
+         return request;
+       }},
+      {"explain", "OfALongNameAndAllTime",
+       [=](const Loot&) {
+         v1::Request request = Of(long_text);
+         request.mutable_explain()->set_after_ns(std::numeric_limits<std::int64_t>::min());
+         return request;
+       }},
       {"export_style", "OfALongName",
        [=](const Loot&) {
          v1::Request request;

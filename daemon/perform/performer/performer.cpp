@@ -9,6 +9,26 @@
 
 namespace styled::pipeline {
 
+static_assert(decide::kLimbs == stylist::kLimbCount);
+static_assert(int{v1::FAILURE_RIG} == static_cast<int>(stylist::Failure::kRig));
+
+namespace {
+
+runtime::Counter CounterOf(v1::Failure failure) noexcept {
+  switch (failure) {
+    case v1::FAILURE_CANONICAL:
+      return runtime::Counter::kStylistFailedCanonical;
+    case v1::FAILURE_RIG:
+      return runtime::Counter::kStylistFailedRig;
+    case v1::FAILURE_AVATAR:
+      return runtime::Counter::kStylistFailedAvatar;
+    default:
+      return runtime::Counter::kStylistFailedPrediction;
+  }
+}
+
+}  // namespace
+
 Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
                      std::uint64_t epoch, std::int64_t now_ns,
                      publish::Subscriptions& subscriptions, runtime::Counters& counters)
@@ -185,7 +205,14 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   const bool failed = outputs.Retarget(frame_.elapsed_ns, styling_->out(), *props_);
   styling_->Finish(failed ? stylist::kFailed : 0U);
   WatchFacing();
-  frame_.flags |= styling_->out().flags;
+  const stylist::Output& out = styling_->out();
+  frame_.flags |= out.flags;
+  frame_.failure = failed ? v1::FAILURE_AVATAR : static_cast<v1::Failure>(out.failure);
+  if (frame_.failure != v1::FAILURE_NONE) counters_.Add(CounterOf(frame_.failure));
+  frame_.held_joints = static_cast<int>(out.held.count());
+  frame_.first_held_joint = static_cast<int>(out.held._Find_first());
+  frame_.limb_weights = out.limb_weights;
+  frame_.limb_errors_m = out.limb_errors_m;
   Serialize();
   repeats_ = false;
 }

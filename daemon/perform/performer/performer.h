@@ -7,6 +7,7 @@
 
 #include "daemon/decide/admission.h"
 #include "daemon/decide/frame_in_transit.h"
+#include "daemon/log/frame_history.h"
 #include "daemon/looks/profile.h"
 #include "daemon/looks/runtime_config.h"
 #include "daemon/perform/performer/binding.h"
@@ -133,6 +134,7 @@ class Performer {
   decide::Admission admission;
   Outputs outputs;
   Latency latency;
+  log::FrameHistory history;             // what became of the last frames
   std::int64_t next_body_ns = 0;         // when the bodies are due again
   int newest_in_batch = -1;              // used by the pipeline within a batch
   std::optional<std::int64_t> timecode;  // TimecodeLabel of the last frame with a timecode

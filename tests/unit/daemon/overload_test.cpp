@@ -289,6 +289,12 @@ TEST_F(SlowStageTest, AStyleThatIsSetMeanwhileIsShownAfterwards) {
   SetStyle("rig.p7", 0.5F);
   Run(0.5);
   EXPECT_TRUE(Stats()["rig.p7"].overload_bypass());
+  v1::Request explain;
+  explain.set_performer("rig.p7");
+  explain.mutable_explain();
+  EXPECT_NE(Ask(explain).explain().frames(0).text().find(
+                "left out because the machine cannot keep up: fewer performers"),
+            std::string::npos);
   EXPECT_NE(publisher_.frames.back().flags() & v1::FLAG_BYPASS, 0U);
   slow_->step_ns = 0;
   Run(30);

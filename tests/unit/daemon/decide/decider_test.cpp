@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/runtime/clock.h"
+
 namespace styled::decide {
 namespace {
 
@@ -104,7 +106,7 @@ TEST_F(DeciderTest, ASecondSenderIsRefusedUntilTheFirstIsSilent) {
   EXPECT_EQ(Next().reason, Counter::kPipelineSecondSender);
   frame_.source_time_ns += 500 * kMillisecond_ns;
   const Decision decision = Next();
-  EXPECT_EQ(decision.restart, Restart::kSession);
+  EXPECT_EQ(decision.restart, v1::RESTART_SESSION);
   EXPECT_EQ(decision.reason, Counter::kPipelineBeforeBody) << "the new session has sent no body";
 }
 
@@ -113,7 +115,7 @@ TEST_F(DeciderTest, AJumpOfTheSendersClockBeginsASessionWithTheSameBody) {
   frame_.source_time_ns += std::uint64_t{7200} * 1000 * kMillisecond_ns;
   ++frame_.sequence;
   const Decision decision = decider_.OfFrame(admission_, Ask(kStart_ns + 2 * kPeriod_ns));
-  EXPECT_EQ(decision.restart, Restart::kClockJump);
+  EXPECT_EQ(decision.restart, v1::RESTART_CLOCK_JUMP);
   EXPECT_EQ(decision.fate, v1::FATE_STYLED);
 }
 
