@@ -28,6 +28,7 @@ class Program {
   void DeclareReceive();
   void DeclarePlay();
   void DeclareExport();
+  void DeclareExplain();
   void DeclareJetStream();
   void DeclareFetch();
   void Broker(CLI::App* command);
@@ -196,6 +197,15 @@ void Program::DeclareExport() {
       ->check(CLI::Range(1.0, 1000.0));
 }
 
+void Program::DeclareExplain() {
+  CLI::App* explain =
+      Add("explain", "what the daemon made of a performer's frames, and why", RunExplain);
+  FileToRead(explain);
+  explain->add_option("PERFORMER", a_.performer, "SOURCE.NAME")->required();
+  explain->add_option("SEQUENCE", a_.sequence,
+                      "the frame with this number, as subscribers got it; default: all");
+}
+
 void Program::Broker(CLI::App* command) {
   stylenats::Declare(*command, "the server that records, nats://HOST:PORT or tls://HOST:PORT",
                      a_.broker, a_.login);
@@ -295,6 +305,7 @@ void Program::Declare() {
   info->add_flag("--json", a_.json, "one JSON object");
   DeclarePlay();
   DeclareExport();
+  DeclareExplain();
   DeclareJetStream();
   DeclareFetch();
 }

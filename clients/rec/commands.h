@@ -36,6 +36,7 @@ struct Arguments {
   bool loop = false, as_recorded = false;
   std::string what = "rig";
   std::vector<std::pair<const clip::Format*, std::string>> exports;  // the files to write
+  std::uint64_t sequence = 0;  // explain: of this frame; 0: of all
   double rate_hz = 0;                                                // 0: not given
   // jetstream, fetch
   stylenats::LinkOptions broker;
@@ -59,6 +60,8 @@ Status RunInfo(const Arguments& arguments, const Dependencies& to);
 // Checks what `play` cannot do with this command line, e.g. a --to for a source that is not in the
 // recording. An unreadable file is reported by RunPlay.
 Status CheckPlay(const Arguments& arguments);
+// Writes what the daemon made of a performer's frames, and why, as it recorded it.
+Status RunExplain(const Arguments& arguments, const Dependencies& to);
 Status RunPlay(const Arguments& arguments, const Dependencies& to);
 Status RunExport(const Arguments& arguments, const Dependencies& to);
 // Where libnats was missing, these two say so.

@@ -4,6 +4,7 @@
 #include <ctime>
 #include <system_error>
 
+#include "daemon/log/frame_history.h"
 #include "daemon/runtime/clock.h"
 #include "proto/rigs/types.h"
 
@@ -30,7 +31,8 @@ std::vector<recording::Origin> OriginsOf(const config::Config& config,
 bool Changes(const v1::Request& request) {
   return !request.has_list() && !request.has_status() && !request.has_preview() &&
          !request.has_export_style() && !request.has_take_checkpoint() && !request.has_lead() &&
-         !request.like().measure() && request.command_case() != v1::Request::COMMAND_NOT_SET;
+         !request.has_explain() && !request.like().measure() &&
+         request.command_case() != v1::Request::COMMAND_NOT_SET;
 }
 
 std::filesystem::path FileAt(const std::string& pattern, std::int64_t unix_s) {
@@ -68,7 +70,10 @@ Result<std::unique_ptr<Recorder>> Recorder::Start(const config::Config& config,
   auto thread = recording::RecordingThread::Start(file, header, OriginsOf(config, endpoints));
   if (!thread.ok()) return thread.status();
   const auto min_free_bytes = static_cast<std::uint64_t>(config.record.min_free_mb) * kMiB;
-  return std::unique_ptr<Recorder>(new Recorder(file, min_free_bytes, std::move(thread.value())));
+  std::vector<std::string> names;
+  for (const config::Source& source : config.sources) names.push_back(source.name);
+  return std::unique_ptr<Recorder>(
+      new Recorder(file, min_free_bytes, std::move(thread.value()), std::move(names)));
 }
 
 bool Recorder::Paused() noexcept {
@@ -94,6 +99,22 @@ void Recorder::OnRequest(std::int64_t now_ns, const v1::Request& request, const 
   *command.mutable_request() = request;
   *command.mutable_applied() = reply.applied();
   (void)thread_->PushCommand(now_ns, command);
+}
+
+void Recorder::OnFrames(int source, std::span<const decide::FrameInTransit> frames,
+                        std::int64_t receive_ns, std::int64_t /*wall_ns*/) {
+  if (Paused()) return;
+  const auto at = static_cast<std::size_t>(source);
+  decided_.Clear();
+  decided_.set_source(source_names_[at]);
+  for (const decide::FrameInTransit& frame : frames) {
+    if (frame.decision.postponed) continue;
+    v1::FrameFate& fate = *decided_.add_frames();
+    fate.set_performer(source_names_[at] + ".");
+    fate.mutable_performer()->append(frame.given->performer);
+    FillFate(frame, fate);
+  }
+  if (decided_.frames_size() > 0) (void)thread_->PushDecided(receive_ns, decided_);
 }
 
 void Recorder::OnReload(std::int64_t now_ns, std::string_view weights) {

@@ -44,6 +44,8 @@ class Recorder final : public Writer {
   // Pipeline thread, or before it starts.
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override;
   // A request that was answered; recorded only if it changed something. Allocates.
+  void OnFrames(int source, std::span<const decide::FrameInTransit> frames, std::int64_t receive_ns,
+                std::int64_t wall_ns) override;
   void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply) override;
   void OnReload(std::int64_t now_ns, std::string_view weights) override;
 
@@ -63,13 +65,19 @@ class Recorder final : public Writer {
 
  private:
   Recorder(std::filesystem::path file, std::uint64_t min_free_bytes,
-           std::unique_ptr<recording::RecordingThread> thread)
-      : file_(std::move(file)), min_free_bytes_(min_free_bytes), thread_(std::move(thread)) {}
+           std::unique_ptr<recording::RecordingThread> thread,
+           std::vector<std::string> source_names)
+      : file_(std::move(file)),
+        min_free_bytes_(min_free_bytes),
+        thread_(std::move(thread)),
+        source_names_(std::move(source_names)) {}
   STYLED_REALTIME bool Paused() noexcept;
 
   std::filesystem::path file_;
   std::uint64_t min_free_bytes_;
   std::unique_ptr<recording::RecordingThread> thread_;
+  std::vector<std::string> source_names_;
+  recording::Decided decided_;       // refilled for each batch, so that it keeps its memory
   std::atomic<bool> paused_{false};  // the disk is too full
   std::atomic<std::uint64_t> skipped_{0};
   std::string last_complaint_;  // files thread
