@@ -281,6 +281,17 @@ CallStatus Control::RemoveStyle(std::string_view name, Applied* applied) {
   return Change(request, "", applied);
 }
 
+CallStatus Control::Explain(std::string_view performer, const v1::Explain& which,
+                            v1::ExplainReply* out) {
+  v1::Request request;
+  request.set_performer(std::string(performer));
+  *request.mutable_explain() = which;
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_explain());
+  return status;
+}
+
 CallStatus Control::Preview(std::string_view style, v1::PreviewReply* out) {
   v1::Request request;
   request.mutable_preview()->set_style(std::string(style));

@@ -178,7 +178,7 @@ void Session::ReadRequest(std::string_view bytes) {
   ++gateway_.counters.requests;
   const std::uint64_t id = request.id();
   const bool asks = request.has_list() || request.has_status() || request.has_preview() ||
-                    request.has_export_style();
+                    request.has_export_style() || request.has_explain();
   if (gateway_.options.watch_only && !asks) {
     v1::Reply reply;
     reply.set_id(id);

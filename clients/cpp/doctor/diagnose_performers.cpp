@@ -1,45 +1,27 @@
 // Checks each performer: whether frames leave for the datagrams that arrive, and what looks wrong
 // with the rig.
 #include <algorithm>
-#include <array>
+#include <cctype>
+#include <string>
 
 #include "clients/cpp/doctor/examination.h"
+#include "proto/styled/explain.h"
 
 namespace styled::doctor {
 namespace {
 
-struct Reason {
-  std::string_view counter;
-  const char* what;
-  const char* change;
-};
+constexpr RefusalReason kOtherReason{"", "the daemon refuses them",
+                                     "look at the counters of stylectl status"};
 
-constexpr std::array<Reason, 11> kReasons{{
-    {"pipeline.far_ahead", "their sequence numbers are far ahead of the last one's",
-     "Restart the sender. If they come from two programs under one session id, stop one of them."},
-    {"pipeline.reordered", "their sequence numbers are older than the last one's",
-     "Restart the sender: it must take a new random session id at each start."},
-    {"pipeline.duplicate", "each was received before",
-     "Restart the sender; look whether something on the way sends everything twice."},
-    {"pipeline.second_sender", "another sender is this performer already",
-     "Stop one of the two, or give it another performer's name."},
-    {"pipeline.old_time", "the sender's clock does not go on from frame to frame",
-     "Restart the sender; if it plays a recording, let it run."},
-    {"pipeline.before_body", "the skeleton that they belong to has not come",
-     "The sender must send the skeleton at its start and once a second: restart the sender."},
-    {"pipeline.wrong_body", "they name another skeleton than the one sent", "Restart the sender."},
-    {"pipeline.wrong_size", "they have another number of joints than the skeleton",
-     "Restart the sender."},
-    {"pipeline.uncalibrated", "the rig's rest pose is unknown",
-     "Let the performer stand in T-pose: stylectl calibrate PERFORMER --pose t."},
-    {"pipeline.bodies_refused", "the skeleton is refused",
-     "The daemon's log says why; correct the rig's skeleton, or its dialect."},
-    {"", "the daemon refuses them", "stylectl status names the counter."},
-}};
+const RefusalReason& ReasonOf(std::string_view counter) {
+  const RefusalReason* const found = FindRefusalReason(counter);
+  return found == nullptr ? kOtherReason : *found;
+}
 
-const Reason& ReasonOf(std::string_view counter) {
-  const auto found = std::ranges::find(kReasons, counter, &Reason::counter);
-  return found == kReasons.end() ? kReasons.back() : *found;
+// As a sentence, with the command that tells of each frame.
+std::string Sentence(std::string cure, const std::string& performer) {
+  cure.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(cure.front())));
+  return cure + ". stylectl explain " + performer + " tells of each frame.";
 }
 
 }  // namespace
@@ -135,15 +117,15 @@ void Examination::Performers() {
       continue;
     }
     if (left > refused) continue;
-    const Reason& reason = ReasonOf(now.refused_as());
+    const RefusalReason& reason = ReasonOf(now.refused_as());
     Report(left == 0 ? Severity::kProblem : Severity::kWarning, Step::kFrames, nullptr,
            "performer_refused",
            now.performer() + ": " + std::to_string(refused) + " datagrams came and " +
                (left == 0 ? "no frame" : "only " + std::to_string(left) + " frames") +
-               " left, because " + reason.what + ".",
+               " left, because " + std::string(reason.why) + ".",
            (now.refused_as().empty() ? "Counted while we listened."
                                      : "Counted as " + now.refused_as() + " while we listened."),
-           reason.change);
+           Sentence(CureText(reason, now.performer()), now.performer()));
   }
 }
 

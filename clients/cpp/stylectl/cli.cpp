@@ -18,6 +18,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   DeclareStyles(session);
   DeclareCheckpoints(session);
   DeclareLead(session);
+  DeclareExplain(session);
   DeclareCalibrate(session);
   DeclareDoctor(session);
   DeclareKeyCommands(session);

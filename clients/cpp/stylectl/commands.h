@@ -12,6 +12,7 @@ void DeclareMakingCommands(Session& session);  // like, learn, vary
 void DeclareStyles(Session& session);
 void DeclareCheckpoints(Session& session);  // checkpoint
 void DeclareLead(Session& session);
+void DeclareExplain(Session& session);
 void DeclareCalibrate(Session& session);
 void DeclareDoctor(Session& session);
 void DeclareKeyCommands(Session& session);  // keygen, allow, revoke, keys

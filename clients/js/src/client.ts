@@ -24,6 +24,7 @@ import {
   type StatusReply,
   type StyleFile,
 } from './gen/proto/styled/v1/control_pb.js';
+import type { FrameFate } from './gen/proto/styled/v1/fate_pb.js';
 import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
 import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
 import { checkBody, checkFrame } from './kinematics.js';
@@ -357,6 +358,14 @@ export class StyledClient {
   /** Removes a style that was made. Performers that show it, named in the result, fade to bypass. */
   async removeStyle(name: string): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'removeStyle', value: { name } } })).applied;
+  }
+  /**
+   * What became of a performer's frames, and why: that with a number (Frame.sequence), or so many of
+   * the newest, up to 1,024. Each has a sentence in `text`.
+   */
+  async explain(performer: string, which: { sequence?: bigint; last?: number } = {}): Promise<FrameFate[]> {
+    const value = which.sequence === undefined ? { last: which.last ?? 1 } : { sequence: which.sequence };
+    return (await this.ask({ performer, command: { case: 'explain', value } })).explain!.frames;
   }
   /** A small moving figure of any style: two strides that loop. */
   async preview(style: string): Promise<PreviewReply> {

@@ -300,6 +300,16 @@ class Commands:
             raise ValueError('restore_checkpoint: expected bytes of take_checkpoint') from error
         return self._ask(request, _applied)
 
+    def explain(self, performer: str, sequence: int = 0, last: int = 1) -> control_pb2.ExplainReply:
+        """What became of a performer's frames, and why: that with a number (Frame.sequence), or so
+        many of the newest, up to 1,024. Each has a sentence in `text`."""
+        request = control_pb2.Request(performer=performer)
+        if sequence:
+            _put(request.explain, 'sequence', sequence, 'explain')
+        else:
+            _put(request.explain, 'last', last, 'explain')
+        return self._ask(request, lambda reply: reply.explain)
+
     def preview(self, style: str) -> control_pb2.PreviewReply:
         """A small moving figure of any style: two strides that loop."""
         request = control_pb2.Request()

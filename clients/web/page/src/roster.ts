@@ -3,13 +3,15 @@ import type { PerformerStats } from 'styled-client';
 
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
+import type { Dialog } from './dialog.js';
 import { h, setText } from './dom.js';
 import { neutralWords } from './findings.js';
 import { keep, keptFile, lastWorn, noteWorn } from './kept.js';
 import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
+import { why } from './why.js';
 
-function list(app: App): HTMLElement {
+function list(app: App, explain: Dialog): HTMLElement {
   const box = h('div', { className: 'roster', role: 'listbox', 'aria-label': 'Performers' });
   const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; parts: HTMLElement; wrong: HTMLElement }>();
   const empty = h('p', { className: 'hint' }, 'Nobody is here yet. Point a rig at the daemon, or start stylesim.');
@@ -31,7 +33,7 @@ function list(app: App): HTMLElement {
       rows.clear();
       for (const name of names) {
         const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), parts = h('span', { className: 'words layers' }), wrong = h('span', { className: 'words wrong' });
-        const row = h('button', { role: 'option', 'data-performer': name, onclick: () => app.select(name) },
+        const row = h('button', { role: 'option', 'data-performer': name, onclick: () => (app.selected === name ? explain.show() : app.select(name)) },
           h('i', {}), h('b', {}, name), rate, words, parts, wrong);
         rows.set(name, { row, rate, words, parts, wrong });
       }
@@ -42,7 +44,8 @@ function list(app: App): HTMLElement {
       const { row, rate, words, parts, wrong } = rows.get(entry.performer)!;
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
-      row.title = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
+      const also = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
+      row.title = entry.performer === app.selected ? `${also ? `${also}. ` : ''}Click: what became of the frames, and why` : also;
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : '') + neutralWords(entry));
@@ -52,7 +55,8 @@ function list(app: App): HTMLElement {
       wrong.hidden = wrong.textContent === '';
     }
   });
-  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty, ownStyle(app));
+  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty,
+    h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? What became of the frames'), ownStyle(app));
 }
 
 // What other sources give a performer, such as a phone the face, and the own style.
@@ -215,9 +219,10 @@ export function roster(
   app: App, stage: Stage, record: HTMLElement, examples: { element: HTMLElement; take(files: File[]): boolean }, share: () => void,
 ): { element: HTMLElement; looks: Looks; dress(names: string[]): void } {
   const view = looks(stage);
+  const explain = why(app);
   const clothes = wardrobe(app, stage, examples.take, share);
   return {
-    element: h('aside', { className: 'panel left' }, list(app), examples.element, record, view.element, clothes.element),
+    element: h('aside', { className: 'panel left' }, list(app, explain), explain.element, examples.element, record, view.element, clothes.element),
     looks: view,
     dress: clothes.dress,
   };
