@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"

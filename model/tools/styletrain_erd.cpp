@@ -1,6 +1,5 @@
 // The flags of styletrain for Style-ERD.
 #include <algorithm>
-#include <utility>
 
 #include "model/tools/train_family.h"
 #include "model/train/erd/lessons.h"

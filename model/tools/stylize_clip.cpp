@@ -1,9 +1,7 @@
 // The arguments of stylize for networks that know a space of styles: styles from examples,
 // variations and mixes of both.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <set>

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdio>
 #include <string>
 
 #include "model/stylist/limb_gate.h"

@@ -5,9 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/multicast.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <cmath>
 #include <cstdlib>
-#include <optional>
 
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"

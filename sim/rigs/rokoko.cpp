@@ -1,7 +1,6 @@
 #include "sim/rigs/rokoko.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "proto/rigs/rokoko/rokoko.h"
 #include "sim/rigs/synthetic_face.h"

@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "proto/rigs/vmc/bones.h"
 #include "proto/rigs/vmc/vmc.h"

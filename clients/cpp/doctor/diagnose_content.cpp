@@ -1,5 +1,4 @@
 // Steps "format" to "frames": what arrives, and how the daemon uses it.
-#include <algorithm>
 #include <array>
 
 #include "clients/cpp/doctor/examination.h"

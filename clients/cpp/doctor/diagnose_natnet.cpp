@@ -1,5 +1,4 @@
 // OptiTrack: the client asks the server first; frames arrive by a multicast group.
-#include <algorithm>
 
 #include "clients/cpp/doctor/examination.h"
 

@@ -1,6 +1,5 @@
 #include "clients/cpp/doctor/format.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace styled::doctor {

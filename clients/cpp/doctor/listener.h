@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 
 #include "clients/cpp/doctor/sniff.h"
 #include "clients/cpp/doctor/traffic.h"

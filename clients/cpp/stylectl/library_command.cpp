@@ -1,6 +1,5 @@
 // styles: the styles that were made, their files and their names.
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 

@@ -7,7 +7,6 @@
 #include <clocale>
 #include <csignal>
 #include <cstdio>
-#include <limits>
 
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/stylemon/monitor.h"

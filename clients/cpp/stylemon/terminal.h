@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "clients/cpp/stylemon/canvas.h"
 #include "model/base/status.h"

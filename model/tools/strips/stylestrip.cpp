@@ -1,7 +1,6 @@
 // Draws strips of stick figures: the input on top, and below it each style at the same moments. The
 // figures come from the same stylist that the daemon runs, at 120 Hz.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 
 #include "model/body/heading.h"

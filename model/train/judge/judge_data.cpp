@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "model/base/hash.h"
 #include "model/clip/clip.h"

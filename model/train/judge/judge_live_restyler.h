@@ -1,8 +1,6 @@
 #pragma once
 
-#include <memory>
 #include <span>
-#include <vector>
 
 #include "model/train/judge/judge_restyler.h"
 

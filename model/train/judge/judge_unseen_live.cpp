@@ -1,7 +1,6 @@
 #include "model/train/judge/judge_unseen_live.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/train/judge/judge_variety.h"
 

@@ -1,7 +1,6 @@
 #include "model/train/judge/judge_visible.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/body/heading.h"
 #include "model/train/mean_carriage.h"

@@ -3,8 +3,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <span>
-#include <string_view>
-#include <vector>
 
 #include "model/body/pose.h"
 #include "model/stylist/visible.h"
