@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "proto/rigs/native/header.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::native {
 namespace {
@@ -25,31 +26,9 @@ std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kTooShort:
-      return "too_short";
-    case DecodeResult::kTooLong:
-      return "too_long";
-    case DecodeResult::kBadMagic:
-      return "bad_magic";
-    case DecodeResult::kBadVersion:
-      return "bad_version";
-    case DecodeResult::kLengthMismatch:
-      return "length_mismatch";
-    case DecodeResult::kBadChecksum:
-      return "bad_checksum";
-    case DecodeResult::kBadReserved:
-      return "bad_reserved";
-    case DecodeResult::kBadKind:
-      return "bad_kind";
-    case DecodeResult::kNoSession:
-      return "no_session";
-    case DecodeResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(
+      result, {"ok", "too_short", "too_long", "bad_magic", "bad_version", "length_mismatch",
+               "bad_checksum", "bad_reserved", "bad_kind", "no_session"});
 }
 
 DecodeResult Decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept {
