@@ -99,8 +99,8 @@ Result<Networks> ReadNetworks(const config::Model& model,
   }
   if (Rounds(model) && !any_rounded) {
     return Status::Error("model.precision: \"" + model.precision +
-                         "\" rounds weights of the family \"style-erd\" alone, and " +
-                         networks.names + " has none of it");
+                         "\" rounds weights of the family " + net::RoundedFamilyNames() +
+                         " alone, and " + networks.names + " has none of it");
   }
   // As several.h: the first that has a space.
   const bool first = named.front().network->space() != nullptr;

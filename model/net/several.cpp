@@ -11,8 +11,6 @@
 namespace styled::net {
 namespace {
 
-constexpr std::size_t kTogether = 16;  // jobs that the networks get at a time
-
 // Where a style of the list is: in which network, and its number there.
 struct Place {
   std::size_t network = 0;

@@ -28,7 +28,7 @@ struct Settings {
   std::array<net::StyleWeight, net::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0 .. net::kMaxStrength; 0 fades to bypass
   // 0 .. net::kMaxTransition_s; fade from the settings before
-  float transition_s = tuning::kTransition_s;
+  float transition_s = net::kUsualTransition_s;
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // other parts stay as captured; not empty
   Root root = Root::kFollow;            // back to kFollow: from the place reached so far

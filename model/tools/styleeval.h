@@ -27,7 +27,7 @@ struct EvalArguments {
   judge::JudgeSettings judges;
   stylist::Options stylist;
   std::string root = "follow";  // or "stride": stylist::Root
-  float transition_s = 0.1F;
+  float transition_s = net::kUsualTransition_s;
 };
 
 // The judges of one call, and what they have said so far. Everything it refers to outlives it.

@@ -70,6 +70,13 @@ class Look(unittest.TestCase):
         self.assertEqual(set(self.fields), helped | PYTHON_HAS_OWN)
         self.assertFalse(helped & PYTHON_HAS_OWN)
 
+    def test_the_usual_fade_is_one(self):
+        said = re.search(r'initially (\d+); shortest fade', read('proto', 'styled', 'v1', 'look.proto')).group(1)
+        page = re.search(r'^  transition_ms = (\d+);', read('clients', 'web', 'page', 'src', 'app.ts'), re.MULTILINE).group(1)
+        constant = re.search(r'kUsualTransition_s = ([\d.]+)F;', read('model', 'net', 'styles.h')).group(1)
+        manual = re.search(r'^# transition_ms = (\d+) ', read('daemon', 'config', 'styled.toml'), re.MULTILINE).group(1)
+        self.assertEqual([said] * 3, [page, f'{1000 * float(constant):g}', manual])
+
     def test_a_new_field_is_missed_in_all_three(self):
         proto = 'message Look {\n  repeated StyleWeight mix = 1;  // x\n  optional float glow = 14;\n}\n'
         self.assertEqual({'mix': 1, 'glow': 14}, fields(proto, 'Look'))
