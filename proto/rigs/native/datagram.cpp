@@ -1,21 +1,19 @@
 #include "proto/rigs/native/datagram.h"
 
 #include <array>
-#include <boost/crc.hpp>
 #include <cstring>
 
+#include "model/base/crc32c.h"
 #include "proto/rigs/native/header.h"
 #include "proto/rigs/result_name.h"
 
 namespace styled::native {
 namespace {
 
-using Crc = boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true>;
-
 // The checksum of a whole datagram, with its own field counted as 0.
 std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept {
   constexpr std::array<std::byte, header::kCrcSize> kZero{};
-  Crc crc;
+  Crc32cSum crc;
   crc.process_bytes(bytes.data(), header::kCrc);
   crc.process_bytes(kZero.data(), kZero.size());
   const auto rest = bytes.subspan(header::kCrc + header::kCrcSize);
@@ -77,12 +75,6 @@ std::size_t Encode(const Datagram& datagram, std::span<std::byte> out) noexcept 
   header::Write<std::uint64_t>(out, header::kSequence, datagram.sequence);
   header::Write<std::uint32_t>(out, header::kCrc, Checksum(out.first(size)));
   return size;
-}
-
-std::uint32_t Crc32c(std::span<const std::byte> bytes) noexcept {
-  Crc crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
 }
 
 }  // namespace styled::native
