@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "model/base/crc32c.h"
-#include "proto/rigs/native/datagram.h"
 #include "proto/rigs/native/header.h"
 
 namespace styled::recording {
