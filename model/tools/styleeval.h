@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "model/train/judge/judge_comparison.h"
-#include "model/train/judge/judge_data.h"
-#include "model/train/judge/judge_html.h"
-#include "model/train/judge/judge_report.h"
-#include "model/train/judge/judge_strips.h"
+#include "model/train/judge/comparison.h"
+#include "model/train/judge/data.h"
+#include "model/train/judge/html.h"
+#include "model/train/judge/report.h"
+#include "model/train/judge/strips.h"
 
 // What the sources of styleeval share.
 namespace styled {

@@ -10,9 +10,9 @@
 #include "model/tools/command_line.h"
 #include "model/tools/styleunseen_live.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_text.h"
-#include "model/train/judge/judge_unseen.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/text.h"
+#include "model/train/judge/unseen.h"
 #include "model/trial/trial.h"
 
 namespace styled {

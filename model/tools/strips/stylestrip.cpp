@@ -12,7 +12,7 @@
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/tools/strips/figure.h"
-#include "model/train/judge/judge_stream.h"
+#include "model/train/judge/stream.h"
 #include "model/trial/trial.h"
 
 namespace {
