@@ -1,5 +1,7 @@
 // The arguments of stylize for networks that know a space of styles: styles from examples,
 // variations and mixes of both.
+#include "model/clip/clip.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -9,9 +11,8 @@
 
 #include "model/base/text.h"
 #include "model/clip/bind_clip.h"
-#include "model/clip/clip.h"
 #include "model/net/load.h"
-#include "model/tools/stylize.h"
+#include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
 namespace {

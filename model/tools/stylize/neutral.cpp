@@ -1,6 +1,6 @@
 // The argument --neutral of stylize: from where the performer's own carriage is known.
 #include "model/clip/bind_clip.h"
-#include "model/tools/stylize.h"
+#include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
 

@@ -17,7 +17,7 @@
 #include "model/stylist/settings.h"
 #include "model/stylist/stylist.h"
 #include "model/stylist/visible.h"
-#include "model/tools/stylize.h"
+#include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
 

@@ -1,4 +1,4 @@
-#include "model/tools/stylize_preview.h"
+#include "model/tools/stylize/preview.h"
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -54,7 +54,7 @@ inline constexpr Window kWindows[] = {{"auto", net::Extent::kByLength},
                                       {"whole", net::Extent::kWhole},
                                       {"overlapping", net::Extent::kWindows}};
 
-// stylize_options.cpp: fills `arguments` as `app` parses.
+// options.cpp: fills `arguments` as `app` parses.
 void AddOptions(CLI::App& app, Arguments& arguments);
 // What the parser does not check: arguments that are missing or say nothing alone.
 Status CheckTogether(const CLI::App& app, const Arguments& arguments);
@@ -85,7 +85,7 @@ const char* Explain(stylist::SettingsError error);
 // The output's name, or what fills {style} in it: the style's, else the others' that it is made of.
 std::string StyleWord(const Arguments& arguments);
 
-// stylize_gait.cpp: whether the weights know what --root stride and --cadence need, of neutral and
+// gait.cpp: whether the weights know what --root stride and --cadence need, of neutral and
 // of each style that `settings` names; the error names the option and the style.
 Status CheckGait(const Arguments& arguments, const net::Styles& styles,
                  const stylist::Settings& settings);
@@ -94,7 +94,7 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
 void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
                clip::Clip& clip);
 
-// stylize_neutral.cpp: the words of --neutral; anything else is a file.
+// neutral.cpp: the words of --neutral; anything else is a file.
 inline constexpr const char* kNeutralOfClip = "clip";
 inline constexpr const char* kNeutralLive = "live";
 inline constexpr const char* kNoNeutral = "none";

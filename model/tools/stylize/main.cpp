@@ -1,7 +1,5 @@
 // stylize: restyles BVH clips with the stylist that the daemon runs.
 
-#include "model/tools/stylize.h"
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -21,10 +19,11 @@
 #include "model/net/load.h"
 #include "model/net/shipped_weights.h"
 #include "model/tools/command_line.h"
-#include "model/tools/stylize_files.h"
-#include "model/tools/stylize_preview.h"
-#include "model/tools/stylize_report.h"
-#include "model/tools/stylize_restyle.h"
+#include "model/tools/stylize/files.h"
+#include "model/tools/stylize/preview.h"
+#include "model/tools/stylize/report.h"
+#include "model/tools/stylize/restyle.h"
+#include "model/tools/stylize/stylize.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // The styling of one clip: which network runs how, and what came of its frames.
-#include "model/tools/stylize_restyle.h"
+#include "model/tools/stylize/restyle.h"
 
 #include <algorithm>
 #include <cmath>

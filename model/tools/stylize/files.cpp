@@ -1,4 +1,4 @@
-#include "model/tools/stylize_files.h"
+#include "model/tools/stylize/files.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "model/tools/stylize_report.h"
+#include "model/tools/stylize/report.h"
 
 #include <unistd.h>
 

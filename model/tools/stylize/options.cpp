@@ -7,8 +7,8 @@
 #include "model/clip/bind_clip.h"
 #include "model/clip/write.h"
 #include "model/tools/number.h"
-#include "model/tools/stylize.h"
-#include "model/tools/stylize_files.h"
+#include "model/tools/stylize/files.h"
+#include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
 namespace {

@@ -6,7 +6,7 @@
 // the steps; and a planted foot stays planted, since a warp only changes when a pose is shown.
 #include <cstdio>
 
-#include "model/tools/stylize.h"
+#include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
 namespace {
