@@ -8,9 +8,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-#include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

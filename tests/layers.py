@@ -74,7 +74,6 @@ ALSO = {
     ("clients/rec", "sim/player"): "a recording is played by what plays clips",
     ("proto/styled", "model/net/styles.h"): "the limits of what may be asked of a network, once",
     ("clients", "model/tools/number.h"): "an option's number, for all command lines",
-    ("model/tools", "proto/rigs/native/datagram.h"): "the hash of weights in style files, as the daemon's",
     ("sim", "model/tools/number.h"): "an option's number, for all command lines",
 }
 # A family that runs another's network in another way, and that other one.

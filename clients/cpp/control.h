@@ -122,6 +122,8 @@ class Control {
   CallStatus CallOne(v1::Request& request, v1::Reply* reply);
   explicit Control(std::unique_ptr<Impl> impl);
   CallStatus Change(v1::Request& request, std::string_view performer, Applied* applied);
+  template <typename Out>
+  CallStatus Ask(v1::Request& request, Out* (v1::Reply::*of)(), Out* out);
   std::unique_ptr<Impl> impl_;
 };
 

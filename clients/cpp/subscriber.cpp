@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <map>
-#include <set>
 #include <utility>
 #include <zmq.hpp>
 

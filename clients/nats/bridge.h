@@ -7,7 +7,6 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "clients/cpp/control.h"
 #include "clients/cpp/subscriber.h"

@@ -2,7 +2,6 @@
 
 #include <nats/nats.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "clients/cpp/subscriber.h"
+#include "model/base/crc32c.h"
 
 namespace styled::rec {
 namespace {
@@ -39,7 +40,7 @@ void RigFrames::NoteBody(const std::string& topic, const std::string& payload) {
   }
   Body& known = bodies_[id][hash];
   known.payload = body.SerializeAsString();
-  known.crc = native::Crc32c(std::as_bytes(std::span(known.payload)));
+  known.crc = Crc32c(std::as_bytes(std::span(known.payload)));
   known.joints = body.names_size();
 }
 

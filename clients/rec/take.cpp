@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "clients/cpp/transforms.h"
 #include "clients/rec/rig_frames.h"
+#include "model/base/crc32c.h"
 #include "model/rig/binding.h"
 #include "model/rig/dialects.h"
 
@@ -92,7 +92,7 @@ class Finder {
       styled::v1::Body body;
       if (body.ParseFromArray(datagram.payload.data(), size) && body.performer() == name_ &&
           client::Validate(body) == client::BodyError::kNone) {
-        last_body_ = native::Crc32c(datagram.payload);
+        last_body_ = Crc32c(datagram.payload);
         bodies_[last_body_] = std::move(body);
       }
       return std::nullopt;

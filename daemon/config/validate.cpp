@@ -261,8 +261,8 @@ Status Validate(const Config& config) {
   if (!status.ok()) return status;
   status = CheckCues(config.cues, config.sources);
   if (!status.ok()) return status;
-  if (const auto error = config.model.stylist.Validate(); error != stylist::OptionsError::kNone) {
-    return Status::Error(std::string("model.") + stylist::Expectation(error));
+  if (const auto options = config.model.stylist.Validate(); !options.ok()) {
+    return Status::Error("model." + options.message());
   }
   if (config.performers.late_s > config.performers.backlog_s) {
     return Status::Error("performers.late_ms: expected at most performers.backlog_ms");

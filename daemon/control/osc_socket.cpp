@@ -4,9 +4,7 @@
 #include <sys/socket.h>
 
 #include <array>
-#include <cstring>
 #include <ctime>
-#include <span>
 
 #include "daemon/control/osc.h"
 #include "daemon/runtime/sockets.h"

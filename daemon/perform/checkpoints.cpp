@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "model/base/checkpoint_bytes.h"
+#include "model/base/crc32c.h"
 #include "model/base/text.h"
-#include "proto/rigs/native/datagram.h"
 #include "proto/styled/look.h"
 
 namespace styled::pipeline {
@@ -24,7 +24,7 @@ constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 62U;
 
 // Ends the state, so that a damaged file is not taken for a motion.
 std::array<std::byte, 4> Checksum(std::span<const std::byte> state) {
-  return std::bit_cast<std::array<std::byte, 4>>(native::Crc32c(state));
+  return std::bit_cast<std::array<std::byte, 4>>(Crc32c(state));
 }
 
 void Deny(v1::Code code, std::string reason, v1::Reply& reply) {

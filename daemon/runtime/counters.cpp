@@ -1,7 +1,5 @@
 #include "daemon/runtime/counters.h"
 
-#include <algorithm>
-
 namespace styled::runtime {
 namespace {
 

@@ -6,9 +6,6 @@
 #include <unistd.h>
 #include <zmq.h>
 
-#include <cerrno>
-#include <cstring>
-#include <span>
 #include <utility>
 
 namespace styled::security {

@@ -6,6 +6,7 @@
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/face.h"
 #include "daemon/source/wire.h"
+#include "model/base/crc32c.h"
 #include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/face.h"
@@ -149,7 +150,7 @@ runtime::Counter Decode(std::span<const std::byte> bytes, SourceFrame& frame) no
     frame.is_body = true;
     frame.performer = ReadPerformer(datagram.payload);
     if (!config::IsName(frame.performer)) return Counter::kSourceBadName;
-    frame.body_crc = native::Crc32c(datagram.payload);
+    frame.body_crc = Crc32c(datagram.payload);
     frame.body_bytes = datagram.payload;
   } else {
     const FrameResult read = ReadSourceFrame(datagram.payload, frame);

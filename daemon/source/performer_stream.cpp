@@ -4,8 +4,8 @@
 
 #include "daemon/config/config.h"
 #include "daemon/runtime/clock.h"
+#include "model/base/crc32c.h"
 #include "model/base/random_id.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::source {
 namespace {
@@ -56,7 +56,7 @@ void PerformerStream::SetBody(const rig::RigBody& body, Outbox& out) {
   body_ = body;
   message_ = std::make_shared<const v1::Body>(MakeMessage(performer_, body));
   const std::string bytes = message_->SerializeAsString();
-  body_crc_ = native::Crc32c(std::as_bytes(std::span(bytes)));
+  body_crc_ = Crc32c(std::as_bytes(std::span(bytes)));
   next_body_ns_ = 0;
 }
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "proto/rigs/native/datagram.h"
+#include "model/base/crc32c.h"
 
 namespace styled::standby {
 namespace {
@@ -18,8 +18,8 @@ constexpr std::size_t kMostBodies = 1024;
 }  // namespace
 
 std::uint32_t PoseCrc(const source::SourceFrame& frame) noexcept {
-  const std::uint32_t root = native::Crc32c(frame.root_position);
-  return native::Crc32c(frame.rotations) ^ ((root << 1U) | (root >> 31U));
+  const std::uint32_t root = Crc32c(frame.root_position);
+  return Crc32c(frame.rotations) ^ ((root << 1U) | (root >> 31U));
 }
 
 std::unique_ptr<HoldBack::Held> HoldBack::Keep(int source, const source::SourceFrame& frame,

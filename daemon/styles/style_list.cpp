@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "daemon/looks/profile.h"
+#include "model/base/crc32c.h"
 #include "model/base/text.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
 namespace {
@@ -283,7 +283,7 @@ std::string HashText(std::uint32_t crc) {
 }
 
 std::string HashOfExample(const std::string& bytes) {
-  return HashText(native::Crc32c(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+  return HashText(Crc32c(std::as_bytes(std::span(bytes.data(), bytes.size()))));
 }
 
 }  // namespace styled::pipeline

@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "model/clip/gltf_nodes.h"
 #include "model/clip/read_file.h"

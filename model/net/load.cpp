@@ -123,6 +123,9 @@ Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string
 std::string ClipFamilyNames() {
   return FamilyNames([](const Family& family) { return !IsLive(family); });
 }
+std::string RoundedFamilyNames() {
+  return FamilyNames([](const Family& family) { return family.rounds; });
+}
 std::string SpaceFamilyNames() {
   return FamilyNames([](const Family& family) { return family.space; });
 }

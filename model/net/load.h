@@ -18,7 +18,7 @@ namespace styled::net {
 // and so it does for a family whose network needs whole clips. Allocates: start-up and reload only.
 // Pinned by tests/unit/net/load_test.cpp.
 //
-// `precision`: to which a network of the family style-erd rounds its weights; the others have
+// `precision`: to which a network of a family that CanBeRounded rounds its weights; the others have
 // float32 always. An error where the processor has no products of such numbers.
 Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file,
                                              Precision precision = Precision::kFloat32);
@@ -43,9 +43,10 @@ Result<AnyStylizer> LoadAny(const std::filesystem::path& file,
 Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name,
                              Precision precision = Precision::kFloat32);
 
-// The families whose networks need whole clips, or know a space of styles, for messages: "\"a\" or
-// \"b\"".
+// The families whose networks need whole clips, know a space of styles, or have weights that can be
+// rounded, for messages: "\"a\" or \"b\"".
 std::string ClipFamilyNames();
+std::string RoundedFamilyNames();
 std::string SpaceFamilyNames();
 
 }  // namespace styled::net

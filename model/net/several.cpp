@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -11,8 +10,6 @@
 
 namespace styled::net {
 namespace {
-
-constexpr std::size_t kTogether = 16;  // jobs that the networks get at a time
 
 // Where a style of the list is: in which network, and its number there.
 struct Place {

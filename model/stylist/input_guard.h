@@ -1,7 +1,6 @@
 #pragma once
 
 #include <bitset>
-#include <cstdint>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"

@@ -1,7 +1,6 @@
 #include "model/stylist/posture.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/base/smooth.h"
 #include "model/stylist/tuning.h"

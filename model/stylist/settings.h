@@ -4,6 +4,7 @@
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
+#include "model/base/status.h"
 #include "model/body/parts.h"
 #include "model/feet/options.h"
 #include "model/net/styles.h"
@@ -27,7 +28,7 @@ struct Settings {
   std::array<net::StyleWeight, net::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0 .. net::kMaxStrength; 0 fades to bypass
   // 0 .. net::kMaxTransition_s; fade from the settings before
-  float transition_s = tuning::kTransition_s;
+  float transition_s = net::kUsualTransition_s;
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // other parts stay as captured; not empty
   Root root = Root::kFollow;            // back to kFollow: from the place reached so far
@@ -63,22 +64,6 @@ enum class SettingsError {
 
 // `style_count`: the network's number of styles, neutral included.
 [[nodiscard]] SettingsError Validate(const Settings& settings, int style_count) noexcept;
-
-// The first rule that options break, named after the field; NaN breaks every rule.
-enum class OptionsError {
-  kNone,
-  kChangeTau,        // change_tau_s outside 0 .. 1
-  kGapReset,         // gap_reset_s outside 0.01 .. 10
-  kRestartFade,      // restart_fade_s outside 0 .. 5
-  kJump,             // jump_m outside 0.1 .. 100
-  kJumpAccept,       // jump_accept_frames outside 1 .. 1000
-  kOutOfDomain,      // not 0 <= out_of_domain_begin_rad < out_of_domain_end_rad
-  kOutOfDomainFade,  // out_of_domain_fade_s outside 0 .. 10
-  kTilt,             // not 0 <= tilt_begin_rad < tilt_end_rad
-  kPosture,          // posture outside 0 .. 1
-  kGroundTau,        // ground_tau_s outside 0 .. 1
-  kFeet,             // feet_options do not pass feet::Validate
-};
 
 // How streams are processed; the same for all performers. The defaults are those of styled.toml;
 // model/stylist/tuning.h tells where they come from.
@@ -122,12 +107,10 @@ struct Options {
   bool own_cadence = false;
   bool bypass = true;  // false: bind and unbind every pose, even without a style
 
-  [[nodiscard]] OptionsError Validate() const noexcept;
+  // Names the first field that breaks a rule, and what was expected. NaN breaks every rule.
+  Status Validate() const;
 
   friend bool operator==(const Options&, const Options&) = default;
 };
-
-// What the field named by `error` must be, for messages; "" for kNone.
-const char* Expectation(OptionsError error) noexcept;
 
 }  // namespace styled::stylist

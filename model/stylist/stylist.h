@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
@@ -137,7 +136,7 @@ class Stylist {
     const rig::RigPose* in = nullptr;
     Output* out = nullptr;
   };
-  static constexpr std::size_t kTogether = 16;  // jobs processed at a time
+  static constexpr std::size_t kTogether = net::kTogether;  // jobs processed at a time
   STYLED_REALTIME static void ProcessTogether(std::span<const Job> jobs) noexcept;
 
  private:

@@ -56,9 +56,6 @@ inline constexpr float kFastestDrift_s = 0.5F;
 // How far the body extends beyond joints without a child (hands, toes, crown), m. The length of a
 // hand; no measurement on record.
 inline constexpr float kEndReach_m = 0.1F;
-// Settings::transition_s, s: the fade of the weights. 0.4 threw an arm in one switch of nine and
-// made small changes late; 0.1 with the limit above does not.
-inline constexpr float kTransition_s = 0.1F;
 
 // Out of domain (domain.h)
 

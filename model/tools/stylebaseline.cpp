@@ -10,11 +10,11 @@
 #include "model/tools/number.h"
 #include "model/train/baselines/baseline.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_clip_restyler.h"
-#include "model/train/judge/judge_comparison.h"
-#include "model/train/judge/judge_details.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_report.h"
+#include "model/train/judge/clip_restyler.h"
+#include "model/train/judge/comparison.h"
+#include "model/train/judge/details.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/report.h"
 
 namespace styled {
 namespace {

@@ -12,14 +12,14 @@
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_clip_restyler.h"
-#include "model/train/judge/judge_codes.h"
-#include "model/train/judge/judge_details.h"
-#include "model/train/judge/judge_evidence.h"
-#include "model/train/judge/judge_live_restyler.h"
-#include "model/train/judge/judge_mixed.h"
-#include "model/train/judge/judge_pictures.h"
-#include "model/train/judge/judge_provenance.h"
+#include "model/train/judge/clip_restyler.h"
+#include "model/train/judge/codes.h"
+#include "model/train/judge/details.h"
+#include "model/train/judge/evidence.h"
+#include "model/train/judge/live_restyler.h"
+#include "model/train/judge/mixed.h"
+#include "model/train/judge/pictures.h"
+#include "model/train/judge/provenance.h"
 
 namespace styled {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "model/train/judge/judge_comparison.h"
-#include "model/train/judge/judge_data.h"
-#include "model/train/judge/judge_html.h"
-#include "model/train/judge/judge_report.h"
-#include "model/train/judge/judge_strips.h"
+#include "model/train/judge/comparison.h"
+#include "model/train/judge/data.h"
+#include "model/train/judge/html.h"
+#include "model/train/judge/report.h"
+#include "model/train/judge/strips.h"
 
 // What the sources of styleeval share.
 namespace styled {
@@ -27,7 +27,7 @@ struct EvalArguments {
   judge::JudgeSettings judges;
   stylist::Options stylist;
   std::string root = "follow";  // or "stride": stylist::Root
-  float transition_s = 0.1F;
+  float transition_s = net::kUsualTransition_s;
 };
 
 // The judges of one call, and what they have said so far. Everything it refers to outlives it.

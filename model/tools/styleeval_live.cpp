@@ -1,11 +1,11 @@
 #include <cstdio>
 
 #include "model/tools/styleeval.h"
-#include "model/train/judge/judge_conditions.h"
-#include "model/train/judge/judge_feet.h"
-#include "model/train/judge/judge_foreign.h"
-#include "model/train/judge/judge_long.h"
-#include "model/train/judge/judge_response.h"
+#include "model/train/judge/conditions.h"
+#include "model/train/judge/feet.h"
+#include "model/train/judge/foreign.h"
+#include "model/train/judge/long.h"
+#include "model/train/judge/response.h"
 
 namespace styled {
 namespace {

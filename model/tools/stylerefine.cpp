@@ -12,6 +12,7 @@
 #include <iostream>
 #include <limits>
 
+#include "model/base/crc32c.h"
 #include "model/clip/clip.h"
 #include "model/net/shipped_weights.h"
 #include "model/net/weights_file.h"
@@ -22,7 +23,6 @@
 #include "model/train/blas.h"
 #include "model/train/stgcn_causal/refiner.h"
 #include "model/train/stgcn_causal/style_file.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::train::st_gcn_causal {
 namespace {
@@ -219,7 +219,7 @@ Result<Session> Open(const Arguments& arguments) {
   const auto bytes = net::ReadFile(weights.value());
   if (!bytes.ok()) return bytes.status();
   char hash[32];
-  std::snprintf(hash, sizeof hash, "crc32c:%08x", native::Crc32c(net::TensorBytes(bytes.value())));
+  std::snprintf(hash, sizeof hash, "crc32c:%08x", Crc32c(net::TensorBytes(bytes.value())));
   Result<LoadedStudent> network = ReadStudent(weights.value());
   if (!network.ok()) return network.status();
   session.network = std::move(network.value());

@@ -4,16 +4,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
 #include "model/tools/styleunseen_live.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_text.h"
-#include "model/train/judge/judge_unseen.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/text.h"
+#include "model/train/judge/unseen.h"
 #include "model/trial/trial.h"
 
 namespace styled {

@@ -5,7 +5,7 @@
 
 #include "model/base/status.h"
 #include "model/clip/manifest.h"
-#include "model/train/judge/judge_unseen.h"
+#include "model/train/judge/unseen.h"
 
 namespace styled {
 

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "model/base/status.h"
 #include "model/train/check.h"
+#include "model/train/flags.h"
 #include "model/train/recipe.h"
 #include "model/train/trainer.h"
 
@@ -27,6 +28,9 @@ class FamilyFlags {
   // For a run of which nothing is kept: a shorter start before the first iteration.
   virtual void ShortenStart() {}
 };
+
+// Adds an option for each flag, the value of now as its default; for a family's constructor.
+void AddFlags(CLI::App& app, const std::vector<FlagGroup>& groups);
 
 // What windows of st-gcn and st-gcn-causal ask of clips: 64 frames at 30 Hz, half of which may be
 // repeated. styletrain_stgcn.cpp

@@ -50,7 +50,7 @@ void EncodeBlockHeader(const BlockHeader& header,
 // kMaxRawSize.
 std::optional<BlockHeader> DecodeBlockHeader(
     std::span<const std::byte, kBlockHeaderSize> bytes) noexcept;
-// CRC-32C, the same as native::Crc32c.
+// CRC-32C (model/base/crc32c.h).
 std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept;
 
 // Collects messages and encodes them as blocks. One thread at a time; allocates.

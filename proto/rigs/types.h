@@ -12,7 +12,7 @@
 // A new rig is a row in STYLED_RIGS, and three functions named after it, in files of its own:
 //   daemon/source/rigs/  source::Make<Name>(const config::Source&): its translator
 //   sim/rigs/            rigs::Make<Name>(const Options&): its stand-in
-//   clients/cpp/doctor/  a case of Sniffer::Sniff for Format::k<Name>: what the doctor knows it by
+//   clients/doctor/  a case of Sniffer::Sniff for Format::k<Name>: what the doctor knows it by
 namespace styled::rigs {
 
 struct RigType {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <random>
 #include <string_view>
-#include <vector>
 
 #include "model/base/status.h"
 

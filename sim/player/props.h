@@ -2,8 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "model/base/status.h"
 #include "model/rig/wrists.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "model/base/status.h"
 #include "sim/faults/faults.h"

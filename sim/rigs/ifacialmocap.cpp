@@ -13,7 +13,7 @@ namespace {
 class IFacialMocap final : public Rig {
  public:
   explicit IFacialMocap(const Options& options)
-      : old_(Has(options, "v1")), state_(Has(options, "state")) {}
+      : old_(HasQuirk(options, "v1")), state_(HasQuirk(options, "state")) {}
 
   void Encode(const Frame& frame, const Send& send) override {
     if (!started_) return;
@@ -41,9 +41,6 @@ class IFacialMocap final : public Rig {
   player::Audience audience() const override { return player::Audience::kNewest; }
 
  private:
-  static bool Has(const Options& options, std::string_view quirk) {
-    return std::ranges::find(options.quirks, quirk) != options.quirks.end();
-  }
   bool old_, state_;
   bool started_ = false;
   int version_ = 1;

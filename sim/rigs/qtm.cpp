@@ -262,15 +262,15 @@ class Client final : public Session {
 class Qtm final : public Rig {
  public:
   explicit Qtm(const Options& options)
-      : timecode_(Has(options, "timecode")),
-        blink_(Has(options, "blink")),
+      : timecode_(HasQuirk(options, "timecode")),
+        blink_(HasQuirk(options, "blink")),
         buffer_(qtm::kMaxPacketSize) {
     server_.performers = options.performers;
     server_.rate_hz = options.rate_hz;
-    if (Has(options, "flat")) server_.newest_minor = qtm::kNestedMinor - 1;
-    server_.z_up = !Has(options, "y-up");
-    server_.split = Has(options, "split");
-    server_.full = Has(options, "full");
+    if (HasQuirk(options, "flat")) server_.newest_minor = qtm::kNestedMinor - 1;
+    server_.z_up = !HasQuirk(options, "y-up");
+    server_.split = HasQuirk(options, "split");
+    server_.full = HasQuirk(options, "full");
     server_.parameters.frequency_hz = options.rate_hz;
     server_.parameters.up = server_.z_up ? qtm::Axis::kZ : qtm::Axis::kY;
     for (const std::string& performer : options.performers) {
@@ -326,10 +326,6 @@ class Qtm final : public Rig {
   bool is_server() const override { return true; }
 
  private:
-  static bool Has(const Options& options, std::string_view quirk) {
-    return std::ranges::find(options.quirks, quirk) != options.quirks.end();
-  }
-
   void PlaceMarkers(const body::Pose& pose, qtm::Markers& markers) const {
     body::WorldPose world;
     body::ForwardKinematics(pose, world);

@@ -91,7 +91,9 @@ std::string Words();
 // Errors name the type and list the known ones. "native" has none (sim/player).
 Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& options);
 
-// For implementations of Rig: refuses quirks not in `quirks`, more performers than `max_performers`
+// For implementations of Rig: whether the options have a quirk.
+bool HasQuirk(const Options& options, std::string_view quirk);
+// Refuses quirks not in `quirks`, more performers than `max_performers`
 // (0: unlimited), and more props than `max_props`.
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,
                     std::initializer_list<std::string_view> quirks, std::size_t max_props = 0);

@@ -15,10 +15,6 @@ const Vec3 kEyes_m(0, 0.06F, 0.08F);  // from the head's joint
 
 }  // namespace
 
-bool HasQuirk(const Options& options, std::string_view quirk) {
-  return std::ranges::find(options.quirks, quirk) != options.quirks.end();
-}
-
 WornDevices::WornDevices(const Options& options, const std::vector<Place>& places)
     : random_(options.seed),
       t_pose_(HasQuirk(options, "t-pose")),

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstdint>
 #include <random>
-#include <string_view>
 #include <vector>
 
 #include "sim/rigs/rig.h"
@@ -49,8 +47,5 @@ class WornDevices {
   std::mt19937_64 random_;
   bool t_pose_, vanish_, shuffled_;
 };
-
-// Whether the options have that quirk.
-bool HasQuirk(const Options& options, std::string_view quirk);
 
 }  // namespace styled::rigs

@@ -21,7 +21,7 @@ def run(recipe, *arguments, **environment):
 
 def known_options():
     found = {'--name', '--replace'}
-    for pattern in ('model/tools/style*.cpp', 'model/train/**/*.cpp', 'model/tools/**/*.h'):
+    for pattern in ('model/tools/**/*.cpp', 'model/train/**/*.cpp', 'model/tools/**/*.h'):
         for file in glob.glob(os.path.join(ROOT, pattern), recursive=True):
             with open(file, encoding='utf-8') as text:
                 found.update(re.findall(r'(--[a-z][\w-]*)', text.read()))

@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "clients/cpp/stylectl/cli.h"
+#include "clients/stylectl/cli.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 

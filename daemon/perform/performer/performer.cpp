@@ -4,8 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "model/base/crc32c.h"
 #include "model/base/text.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
 
@@ -233,9 +233,8 @@ void Performer::Prewarm() noexcept {
 std::uint32_t Performer::StyledCrc() const noexcept {
   const body::Pose* const pose = styled();
   if (pose == nullptr) return 0;
-  const std::uint32_t hips =
-      native::Crc32c(std::as_bytes(std::span(pose->hips_position_m.data(), 3)));
-  return native::Crc32c(std::as_bytes(std::span(pose->rotations))) ^ std::rotl(hips, 1);
+  const std::uint32_t hips = Crc32c(std::as_bytes(std::span(pose->hips_position_m.data(), 3)));
+  return Crc32c(std::as_bytes(std::span(pose->rotations))) ^ std::rotl(hips, 1);
 }
 
 bool Performer::Repeat(const decide::FrameInTransit& now) noexcept {

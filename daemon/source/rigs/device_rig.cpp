@@ -1,7 +1,6 @@
 #include "daemon/source/rigs/device_rig.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>

@@ -2,7 +2,6 @@
 
 #include <cstring>
 #include <optional>
-#include <string>
 
 #include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"

@@ -1,7 +1,6 @@
 #include "daemon/source/rigs/qtm.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "daemon/config/sources.h"

@@ -94,11 +94,6 @@ struct Decoding {
   PackedVector<kHeads> heads;
 };
 
-// The number of performers that step together. The weights of a wide network are larger than the
-// second-level cache and are read once for all of them: of 16 a step takes 0.9 of the time of 8
-// each, of 32 0.86. Intermediate results (8 kB each) fit into that cache beside a layer's weights.
-constexpr std::size_t kTogether = 16;
-
 // One performer's intermediate results.
 template <Shape kShape>
 struct Way {
@@ -190,8 +185,8 @@ template <Shape kShape>
 void ShapedNetwork<kShape>::StepTogether(std::span<const StepJob> jobs) const noexcept {
   if (jobs.size() == 1) return StepSome<1>(jobs);
   while (!jobs.empty()) {
-    const std::size_t count = std::min(jobs.size(), kTogether);
-    StepSome<kTogether>(jobs.first(count));
+    const std::size_t count = std::min(jobs.size(), net::kTogether);
+    StepSome<net::kTogether>(jobs.first(count));
     jobs = jobs.subspan(count);
   }
 }

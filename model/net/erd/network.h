@@ -2,12 +2,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"

@@ -1,6 +1,5 @@
 #include "model/net/kernels/rows.h"
 
-#include <algorithm>
 #include <cassert>
 #include <type_traits>
 

@@ -1,5 +1,4 @@
 // Reads the file format of model/net/stgcn/FORMAT.md into a Network; an error is one sentence.
-#include <cmath>
 
 #include "model/net/stgcn/network.h"
 #include "model/net/stgcn/weights.h"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "model/net/kernels/rows.h"
 #include "model/net/weights_file.h"
 

@@ -1,7 +1,6 @@
 // Reads the file format of model/net/stgcn_causal/FORMAT.md into a Network; an error is one
 // sentence.
 #include <algorithm>
-#include <cmath>
 
 #include "model/net/stgcn/layer_reader.h"
 #include "model/net/stgcn_causal/network.h"

@@ -1,7 +1,6 @@
 #include "model/net/stgcn_causal/space.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace styled::stgcn_causal {
 namespace {

@@ -1,7 +1,6 @@
 // Draws strips of stick figures: the input on top, and below it each style at the same moments. The
 // figures come from the same stylist that the daemon runs, at 120 Hz.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 
 #include "model/body/heading.h"
@@ -13,7 +12,7 @@
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/tools/strips/figure.h"
-#include "model/train/judge/judge_stream.h"
+#include "model/train/judge/stream.h"
 #include "model/trial/trial.h"
 
 namespace {

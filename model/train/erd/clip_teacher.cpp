@@ -1,7 +1,6 @@
 #include "model/train/erd/clip_teacher.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/train/flags.h"
 
 namespace styled::train::style_erd {
 
@@ -73,8 +73,7 @@ struct Config {
   // Without the adversarial loss FMD is three times as large; without the perceptual one it is
   // smaller (RESULTS.md, Table 1), and content stays recognized.
   double w_adversarial = 1.0, w_perceptual = 0.1;
-  double w_movement = 0.0, w_legs = 0.0;  // of critics of these alone (views.h)
-  double w_penalty = 128.0;               // gradient penalty of the critic, eq. 6
+  double w_penalty = 128.0;  // gradient penalty of the critic, eq. 6
   double w_moments = 0.0;  // distance of each style's mean effect from the clips' (moments.h), m²
   // Distance from the teachers' changes of style: eq. 2 of the rotations; mean squares of the
   // positions that follow, hips' rise included, m², and of their velocities, (m/s)².
@@ -87,12 +86,14 @@ struct Config {
   bool attention = true;        // false: a plain multi-class discriminator
   bool learned_states = true;   // false: recurrent states start at zero
   bool judge_published = true;  // critic and classifier see the detail-preserving output
-  bool judge_root = true;       // and velocities that include the path of the hips
 
   int penalty_every = 1;  // iterations between gradient penalties, which are as much stronger
   int critic_first = 0;   // iterations in which only the critic learns, for a run with `init`
   int classifier_iterations = 1500;
 };
+
+// A flag for each member of `config`, which must outlive the rows.
+std::vector<FlagGroup> FlagsOf(Config& config);
 
 // Refuses values outside their ranges and flags that need others. Errors name the flag.
 Status Check(const Config& config);

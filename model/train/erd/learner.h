@@ -17,14 +17,13 @@
 #include "model/train/erd/distillation.h"
 #include "model/train/erd/moments.h"
 #include "model/train/erd/networks.h"
-#include "model/train/erd/views.h"
 #include "model/train/erd/weights.h"
 #include "model/train/recipe.h"
 #include "model/train/sampler.h"
 
 namespace styled::train::style_erd {
 
-// What critics see, and what the classifier of contents sees: the first of a frame's features.
+// What the critic sees, and what the classifier of contents sees: the first of a frame's features.
 inline constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
 inline constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 
@@ -101,9 +100,7 @@ class Learner {
   // learner.cpp
   void AssignSlots();
   Generated Generate(const Batch& batch);
-  void StepCritics(const Batch& batch, const torch::Tensor& fake, double rate);
-  torch::Tensor CriticLoss(const Batch& batch, const Critic& critic, const torch::Tensor& real,
-                           const torch::Tensor& fake, const std::string& of);
+  void StepCritic(const Batch& batch, const torch::Tensor& fake, double rate);
   void StepGenerator(const Batch& batch, const Generated& generated, double progress, double rate);
   void UpdateAverage();
 
@@ -113,7 +110,6 @@ class Learner {
   torch::Tensor PairedMean(const Batch& batch, const torch::Tensor& score) const;
   torch::Tensor Reconstruction(const Batch& batch, const Generated& generated);
   torch::Tensor Adversarial(const Batch& batch, const Generated& generated);
-  torch::Tensor PartialAdversarial(const Batch& batch, const Generated& generated);
   torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;
   torch::Tensor MomentMatching(const Batch& batch, const Generated& generated);
   torch::Tensor Smoothness(const Generated& generated);
@@ -134,15 +130,6 @@ class Learner {
   Generator generator_, average_;
   Critic critic_;
   ContentClassifier classifier_;
-  // Critics of a part of what critic_ sees, beside it; those that have a weight.
-  struct PartialCritic {
-    View view;
-    const char* name;
-    double weight;
-    Critic critic;
-    Adam adam;
-  };
-  std::vector<PartialCritic> partial_;
   Adam generator_adam_, critic_adam_;
 
   torch::Tensor trained_;  // 1 where a parameter is trained; undefined: all

@@ -17,15 +17,9 @@ Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const 
 }
 
 Tensor Learner::Real(const Batch& batch) const {
-  if (config_.judge_root) {
-    return batch.u.narrow(0, 1, frames_ - 1)
-        .narrow(2, erd::kPositionBegin, kJudgedFeatures)
-        .contiguous();
-  }
-  const Tensor still = torch::zeros_like(batch.hips_step_m);
-  return Judged(batch.positions.narrow(0, 1, frames_ - 1),
-                WorldVelocities(batch.positions, batch.yaw_change_rad, still,
-                                torch::zeros_like(batch.yaw_change_rad), config_.rate_hz));
+  return batch.u.narrow(0, 1, frames_ - 1)
+      .narrow(2, erd::kPositionBegin, kJudgedFeatures)
+      .contiguous();
 }
 
 // The mean over windows whose target the critic knows in their content: where a label pair was
@@ -59,18 +53,6 @@ Tensor Learner::Adversarial(const Batch& batch, const Generated& generated) {
   const Tensor loss = PairedMean(batch, critic_(generated.fake, labels).square());
   tally_.Add("adversarial", loss);
   return loss;
-}
-
-Tensor Learner::PartialAdversarial(const Batch& batch, const Generated& generated) {
-  const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
-  Tensor sum = torch::zeros({}, batch.u.options());
-  for (const PartialCritic& partial : partial_) {
-    const Tensor loss =
-        PairedMean(batch, partial.critic(Seen(generated.fake, partial.view), labels).square());
-    tally_.Add(std::string("adversarial_") + partial.name, loss);
-    sum = sum + partial.weight * loss;
-  }
-  return sum;
 }
 
 // Transferred rotations of the judged frames as features, [T - 1, B, 84].

@@ -13,7 +13,7 @@ inputs differ. "-": not measured.
     SRA        windows that are recognized as the target style
     movement, legs    the same by judges of movement alone, of the legs' pose and of the legs' movement
     jerk       at 120 Hz, over the input's
-    APD cm     distance between outputs of one input in one style (judge_codes.h)
+    APD cm     distance between outputs of one input in one style (judge/codes.h)
 """
 import json
 import statistics

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "model/base/status.h"
+#include "model/train/flags.h"
 
 namespace styled::train::st_gcn {
 
@@ -63,6 +64,9 @@ struct Config {
 
 // The settings of Park et al. 2021 and their published code, where the two differ the code's.
 void AsInThePaper(Config& config);
+
+// A flag for each member of `config`, which must outlive the rows.
+std::vector<FlagGroup> FlagsOf(Config& config);
 
 // Refuses values outside their ranges. Errors name the flag.
 Status Check(const Config& config);

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "model/base/status.h"
+#include "model/train/flags.h"
 
 namespace styled::train::st_gcn_causal {
 
@@ -48,6 +50,9 @@ struct Config {
   double w_first = 0.5;
   double w_smooth = 0;  // of the squared second difference of the student's change of style
 };
+
+// A flag for each member of `config`, which must outlive the rows.
+std::vector<FlagGroup> FlagsOf(Config& config);
 
 // Refuses values outside their ranges, and a run without --init. Errors name the flag.
 Status Check(const Config& config);

@@ -1,7 +1,6 @@
 #include "model/train/stgcn_causal/refiner.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/net/stgcn/codes.h"
 #include "model/train/stgcn/learner.h"

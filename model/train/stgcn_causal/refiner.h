@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <random>
-#include <vector>
 
 #include "model/train/adam.h"
 #include "model/train/stgcn_causal/published_form.h"

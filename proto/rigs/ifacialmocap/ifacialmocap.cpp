@@ -4,7 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
+
+#include "proto/rigs/result_name.h"
 
 namespace styled::ifacialmocap {
 namespace {
@@ -61,17 +62,7 @@ bool ReadPart(std::string_view part, Frame& frame, bool& known) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kNotFace:
-      return "not_face";
-    case DecodeResult::kBadNumber:
-      return "bad_number";
-    case DecodeResult::kTooLong:
-      break;
-  }
-  return "too_long";
+  return rigs::ResultName(result, {"ok", "not_face", "bad_number", "too_long"});
 }
 
 DecodeResult Decode(std::span<const std::byte> datagram, Frame& frame) noexcept {

@@ -35,6 +35,7 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kNotFace,    // not text, or no part that is known
   kBadNumber,  // a known part whose value is not a number
   kTooLong,    // more than kMaxSize
+  kCount
 };
 std::string_view Name(DecodeResult result) noexcept;
 

@@ -37,6 +37,7 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kBadRate,     // a rate that is not positive
   kBadCount,    // not 61 values
   kBadSize,     // bytes missing or left over
+  kCount
 };
 // A word for counters and messages: "ok", "not_face", ...
 std::string_view Name(DecodeResult result) noexcept;

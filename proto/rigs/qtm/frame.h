@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 
 #include "proto/rigs/qtm/packet.h"
 #include "proto/rigs/qtm/timecode.h"

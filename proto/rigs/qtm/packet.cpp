@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "proto/rigs/qtm/cursor.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::qtm {
 namespace {
@@ -54,27 +55,8 @@ bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kTooShort:
-      return "too_short";
-    case DecodeResult::kSizeMismatch:
-      return "size_mismatch";
-    case DecodeResult::kTooLarge:
-      return "too_large";
-    case DecodeResult::kBadType:
-      return "bad_type";
-    case DecodeResult::kTruncated:
-      return "truncated";
-    case DecodeResult::kBadCount:
-      return "bad_count";
-    case DecodeResult::kBadTime:
-      return "bad_time";
-    case DecodeResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "too_short", "size_mismatch", "too_large", "bad_type",
+                                   "truncated", "bad_count", "bad_time"});
 }
 
 DecodeResult DecodePacket(std::span<const std::byte> bytes, Packet& packet) noexcept {

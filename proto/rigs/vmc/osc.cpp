@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstring>
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::vmc::osc {
 namespace {
 
@@ -103,10 +105,9 @@ Result ReadMessage(std::span<const std::byte> bytes, Message& message) noexcept 
 }  // namespace
 
 std::string_view Name(Result result) noexcept {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(Result::kCount)> kNames{
-      "ok",        "too_short",     "too_long", "bad_size",    "bad_address",
-      "bad_types", "bad_arguments", "surplus",  "bad_element", "too_deep"};
-  return result < Result::kCount ? kNames[static_cast<std::size_t>(result)] : "unknown";
+  return rigs::ResultName(result,
+                          {"ok", "too_short", "too_long", "bad_size", "bad_address", "bad_types",
+                           "bad_arguments", "surplus", "bad_element", "too_deep"});
 }
 
 Reader::Reader(std::span<const std::byte> datagram) noexcept { rest_[0] = datagram; }

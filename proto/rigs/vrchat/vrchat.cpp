@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::vrchat {
 namespace {
 
@@ -35,9 +37,7 @@ DecodeResult TakeFloats(osc::Arguments& arguments, std::span<float> values) noex
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(DecodeResult::kCount)> kNames{
-      "ok", "unknown_address", "too_few_arguments", "wrong_type"};
-  return result < DecodeResult::kCount ? kNames[static_cast<std::size_t>(result)] : "unknown";
+  return rigs::ResultName(result, {"ok", "unknown_address", "too_few_arguments", "wrong_type"});
 }
 
 DecodeResult Decode(const osc::Message& bytes, Message& message) noexcept {

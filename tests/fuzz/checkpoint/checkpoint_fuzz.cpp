@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "proto/rigs/native/datagram.h"
+#include "model/base/crc32c.h"
 #include "tests/fuzz/checkpoint/stage.h"
 #include "tests/fuzz/sane_frame.h"
 
@@ -19,7 +19,7 @@ void Seal(v1::Checkpoint& checkpoint) {
   std::string state = checkpoint.state();
   if (state.size() < kSum) return;
   state.resize(state.size() - kSum);
-  const std::uint32_t crc = native::Crc32c(std::as_bytes(std::span(state)));
+  const std::uint32_t crc = Crc32c(std::as_bytes(std::span(state)));
   for (int bit = 0; bit < 32; bit += 8) state.push_back(static_cast<char>(crc >> bit & 0xffU));
   checkpoint.set_state(std::move(state));
 }

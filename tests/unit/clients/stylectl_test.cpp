@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "clients/cpp/stylectl/cli.h"
-#include "clients/cpp/stylectl/report.h"
-#include "clients/cpp/stylectl/suggest.h"
+#include "clients/stylectl/cli.h"
+#include "clients/stylectl/report.h"
+#include "clients/stylectl/suggest.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/clients/fake_daemon.h"
 

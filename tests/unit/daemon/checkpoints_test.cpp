@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "model/base/crc32c.h"
 #include "model/clip/glb_write.h"
 #include "model/feet/legs.h"
 #include "tests/support/fake_pipeline.h"
@@ -89,7 +90,7 @@ struct Stage {
 
 // Gives the checkpoint this state, with a checksum that is right.
 void Seal(v1::Checkpoint& checkpoint, std::string state) {
-  const std::uint32_t crc = native::Crc32c(std::as_bytes(std::span(state)));
+  const std::uint32_t crc = Crc32c(std::as_bytes(std::span(state)));
   for (int bit = 0; bit < 32; bit += 8) state.push_back(static_cast<char>(crc >> bit & 0xffU));
   checkpoint.set_state(std::move(state));
 }

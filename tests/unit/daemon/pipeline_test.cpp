@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "model/base/crc32c.h"
 #include "proto/styled/look.h"
 #include "tests/support/fake_pipeline.h"
 #include "tests/support/native_frames.h"
@@ -432,7 +433,7 @@ TEST_F(PipelineTest, ANewSessionMayNameTheLastBodyByItsChecksum) {
   Deliver({restarted.Frame()});
   EXPECT_EQ(Count(Counter::kPipelineBeforeBody), 1U);
   const auto payload = std::span(body).subspan(native::kHeaderSize);
-  Deliver({restarted.Frame([&](v1::SourceFrame& f) { f.set_body_crc(native::Crc32c(payload)); })});
+  Deliver({restarted.Frame([&](v1::SourceFrame& f) { f.set_body_crc(Crc32c(payload)); })});
   ASSERT_EQ(frames().size(), 2U);
   EXPECT_EQ(frames()[1].flags() & v1::FLAG_NEW_SESSION, v1::FLAG_NEW_SESSION);
 }

@@ -1,5 +1,5 @@
 // Steps daemon, port, arrival and subscribers.
-#include "clients/cpp/doctor/counter_words.h"
+#include "clients/doctor/counter_words.h"
 #include "tests/unit/doctor/facts.h"
 
 namespace styled::doctor::testing {

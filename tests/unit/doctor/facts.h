@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cpp/doctor/diagnose.h"
+#include "clients/doctor/diagnose.h"
 
 // Facts put together by hand, for tests of Diagnose().
 namespace styled::doctor::testing {

@@ -1,5 +1,5 @@
 // On real sockets of this machine's loopback.
-#include "clients/cpp/doctor/probe.h"
+#include "clients/doctor/probe.h"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>

@@ -1,5 +1,5 @@
 // A QTM that is only a socket of this machine's loopback.
-#include "clients/cpp/doctor/qtm_call.h"
+#include "clients/doctor/qtm_call.h"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "clients/cpp/doctor/settings.h"
+#include "clients/doctor/settings.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // Names of datagrams. Bytes are those that the codecs' own tests were written with by hand, and
 // real ones of mocopi and NatNet where they are at hand.
-#include "clients/cpp/doctor/sniff.h"
+#include "clients/doctor/sniff.h"
 
 #include <gtest/gtest.h>
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "daemon/source/rigs/mvn.h"
+#include "model/base/crc32c.h"
 #include "proto/rigs/mvn/mvn.h"
 #include "tests/support/translated.h"
 #include "tests/unit/mvn/packets.h"
@@ -146,7 +147,7 @@ TEST(MvnTranslator, WaitsForNameAndTPoseThenSendsTheBodyBeforeTheFirstFrame) {
   EXPECT_FLOAT_EQ(body.offsets(3 * 13), 0.25F) << "from the T-pose, not from the pose";
   EXPECT_FLOAT_EQ(body.metres_per_unit(), 1);
   const std::string bytes = body.SerializeAsString();
-  EXPECT_EQ(got.items[1].frame.body_crc(), native::Crc32c(std::as_bytes(std::span(bytes))));
+  EXPECT_EQ(got.items[1].frame.body_crc(), Crc32c(std::as_bytes(std::span(bytes))));
   EXPECT_EQ(got.items[2].frame.source_time_ns() - got.items[1].frame.source_time_ns(), 10'000'000U);
   EXPECT_FLOAT_EQ(got.items[2].frame.root_position(0), 0.5F);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "model/base/crc32c.h"
 #include "tests/unit/rec/fakes.h"
 
 namespace styled::rec {
@@ -31,7 +32,7 @@ class RigFramesTest : public ::testing::Test {
       const void* const data = sent.header.payload.data();
       ASSERT_TRUE(sent.header.kind == native::Kind::kBody ? sent.body.ParseFromArray(data, size)
                                                           : sent.frame.ParseFromArray(data, size));
-      if (sent.header.kind == native::Kind::kBody) crc_ = native::Crc32c(sent.header.payload);
+      if (sent.header.kind == native::Kind::kBody) crc_ = Crc32c(sent.header.payload);
     });
   }
   void TakeBody() { Take(Published(0, "body/rig.a/", body_.SerializeAsString())); }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "model/base/crc32c.h"
 #include "tests/unit/rec/fakes.h"
 
 namespace styled::rec {
@@ -196,7 +197,7 @@ TEST_F(TakeTest, TheSourceMayComeFromOurOwnDatagrams) {
     frame.set_source_time_ns(published.source_time_ns());
     *frame.mutable_root_position() = published.root_position();
     *frame.mutable_rotations() = published.rotations();
-    if (i > 1) frame.set_body_crc(native::Crc32c(std::as_bytes(std::span(payload))));
+    if (i > 1) frame.set_body_crc(Crc32c(std::as_bytes(std::span(payload))));
     records_.push_back(
         testing::Arrival(0, testing::Datagram(Kind::kSourceFrame, 1, i, frame.SerializeAsString()),
                          i == 4 ? "other" : "rig"));

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "clients/cpp/key_options.h"
-#include "clients/cpp/stylectl/cli.h"
+#include "clients/stylectl/cli.h"
 #include "proto/keys/key_folder.h"
 #include "tests/support/child.h"
 

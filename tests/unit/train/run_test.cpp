@@ -116,7 +116,6 @@ split = "validation"
     config.smooth_from = 0.0;
     config.monitor_every = 100;
     config.w_moments = 10;
-    config.w_movement = config.w_legs = 0.3;
     config.offset = config.noise = 0.1;
     return config;
   }
@@ -347,7 +346,6 @@ class Taught : public Run {
     config.teachers = std::move(teachers);
     config.w_teacher = weight;
     config.w_adversarial = config.w_perceptual = config.w_smooth = 0;
-    config.w_movement = config.w_legs = 0;
     config.iterations = 100;
     config.log_every = 10;
     return config;

@@ -10,7 +10,7 @@
 #include "model/clip/clip.h"
 #include "model/synthetic/performer.h"
 #include "model/train/erd/recipe.h"
-#include "model/train/judge/judge_validation.h"
+#include "model/train/judge/validation.h"
 #include "model/train/trainer.h"
 
 namespace styled::train {

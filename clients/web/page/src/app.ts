@@ -39,7 +39,7 @@ export class App {
   stats: Stats | undefined;
   selected = '';
   everyone = false;
-  transition_ms = 100;
+  transition_ms = 100; // look.proto's initial one (tests/documents/test_look.py)
   readonly undo = new UndoStack();
   private settling = 0;
   private gesture: Made = {}; // the last one

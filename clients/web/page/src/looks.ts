@@ -12,11 +12,14 @@ export function settingsOf(stats: Stats | undefined): Map<string, Setting> {
   return new Map((stats?.performers ?? []).flatMap(({ performer, look, pinned }) => (look ? [[performer, { look, pinned }] as const] : [])));
 }
 
+// The fields of a look beside its mix, the preset that the mix came from, and its fade. look.proto's, which
+// tests/documents/test_look.py compares.
+const FIELDS = ['strength', 'absolute', 'parts', 'inputStyle', 'root', 'vary', 'varyEach', 'varyAmount', 'driftS'] as const;
+
 // What a look says, as text; fades are not part of it.
 function textOf(look: Look): string {
-  const { mix, strength, absolute, parts, inputStyle, root, vary, varyEach, varyAmount, driftS } = look;
-  return JSON.stringify([mix.map(({ style, weight }) => [style, weight]), strength, absolute, [...parts].sort(), inputStyle,
-                         root, vary, varyEach, varyAmount, driftS]);
+  const said = FIELDS.map((field) => (field === 'parts' ? [...look.parts].sort() : look[field]));
+  return JSON.stringify([look.mix.map(({ style, weight }) => [style, weight]), ...said]);
 }
 
 export function sameLook(a: Look, b: Look): boolean {
@@ -30,13 +33,11 @@ export function sameSetting(a: Setting, b: Setting): boolean {
 
 /** The change that leads to `look` from any other. A preset is set by name if there still is one. */
 export function changeTo(look: Look, presets: readonly string[], transitionMs: number): SetInit {
-  const { strength, absolute, parts, inputStyle, root, vary, varyEach, varyAmount, driftS } = look;
   const mix = look.mix.map(({ style, weight }) => ({ style, weight }));
-  const whole: SetInit = { strength, absolute, parts: [...parts], inputStyle, root, vary, varyEach, varyAmount, driftS, transitionMs };
   // Only what the daemon reported is sent: an older one refuses fields that it does not know.
-  for (const [name, value] of Object.entries(whole)) {
-    if (value === undefined) delete (whole as Record<string, unknown>)[name];
-  }
+  const reported = FIELDS.filter((field) => look[field] !== undefined);
+  const whole: SetInit = { transitionMs };
+  for (const field of reported) Object.assign(whole, { [field]: look[field] });
   if (look.preset && presets.includes(look.preset)) return { ...whole, preset: look.preset };
   return mix.length === 0 ? { ...whole, clear: true } : { ...whole, mix };
 }
