@@ -14,7 +14,7 @@
 namespace styled {
 namespace {
 
-// Between two looks at the recording's disk.
+// The interval at which the free space of the recording's disk is checked.
 constexpr int kLookAtDisk_ms = 200;
 
 }  // namespace
@@ -82,7 +82,7 @@ void FilesThread::Run() {
   end_.notify_one();
 }
 
-// At most one reload and one request: between two of them settings are written.
+// At most one reload and one request per turn: settings are written in between.
 bool FilesThread::DoTurn() {
   KeepProfiles();
   CheckRecording();
@@ -133,7 +133,7 @@ Status FilesThread::TakeOver() {
 
 void FilesThread::WarnOfRestartKeys(const config::Config& fresh) const {
   const auto warn = [](const char* section) {
-    spdlog::warn("reload: [{}] changed; it takes a restart", section);
+    spdlog::warn("reload: [{}] changed; the change needs a restart", section);
   };
   if (fresh.sources != config_.sources) warn("source");
   if (!(fresh.publish == config_.publish)) warn("publish");
@@ -164,7 +164,8 @@ void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
 // Waits while the ring is full: the pipeline empties it between frames. False when the daemon
 // stops.
 bool FilesThread::Push(pipeline::Reload reload) {
-  while (!mailboxes_.reloads.Push(std::move(reload))) {  // a full ring leaves it as it is
+  while (!mailboxes_.reloads.Push(std::move(reload))) {  // the exchange stays unchanged when the
+                                                         // ring is full
     if (stop_.load(std::memory_order_relaxed)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -195,8 +195,7 @@ Status Supervisor::OpenStandby() {
   standby_ = std::make_unique<standby::Standby>(std::move(opened.value().channel), config_.standby,
                                                 epoch_, *publisher_, clock_);
   mailboxes_.stands_by.store(true, std::memory_order_relaxed);
-  spdlog::info("stands in for {}, its own journal is at {}", config_.standby.peer,
-               standby_endpoint_);
+  spdlog::info("standby of {}; its own journal is at {}", config_.standby.peer, standby_endpoint_);
   return Status::Ok();
 }
 
@@ -247,7 +246,7 @@ void Supervisor::RestoreProfiles() {
                   config_.state.dir);
     return;
   }
-  // The system is asked by a file that is gone at once: rights, mounts and limits need no guess.
+  // Writability is tested with a temporary file, which covers permissions, mounts and limits.
   std::string probe = config_.state.dir + "/.styled-XXXXXX";
   if (const Descriptor made(mkstemp(probe.data())); made.get() >= 0) {
     std::filesystem::remove(probe, error);
@@ -302,7 +301,7 @@ void Supervisor::StartSignOfLife() {
   const char* const manager = std::getenv("NOTIFY_SOCKET");
   if (manager != nullptr &&
       runtime::WatchdogAsked(std::getenv("WATCHDOG_USEC"), std::getenv("WATCHDOG_PID"), getpid())) {
-    // An idle pipeline sleeps: the signal makes it turn once before the next look.
+    // An idle pipeline sleeps: the signal makes it turn once before the next check.
     sign_of_life_ = std::make_unique<runtime::SignOfLife>(
         manager, [this] { return pipeline_loop_->turns(); },
         [this] { mailboxes_.wake_pipeline.Signal(); });

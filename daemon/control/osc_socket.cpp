@@ -80,7 +80,7 @@ std::vector<std::unique_ptr<pipeline::Exchange>> OscSocket::Read() const {
   }
   if (step == Step::kBroken) {
     read.clear();
-    read.push_back(Refused("/", "is no OSC: " + std::string(vmc::osc::Name(reader.result()))));
+    read.push_back(Refused("/", "is not OSC: " + std::string(vmc::osc::Name(reader.result()))));
   }
   return read;
 }

@@ -19,7 +19,7 @@
 
 namespace styled::publish {
 
-// The part of the frames of one pose that is the same on all topics.
+// The part of a performer's frames that is the same on all topics.
 struct FrameHeader {
   std::uint64_t sequence = 0, source_sequence = 0;
   std::uint64_t source_time_ns = 0;
@@ -38,7 +38,8 @@ class FrameMessage {
   FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
                int rig_joints, const net::Styles& styles);
 
-  // Other styles from now on: those before, and added ones of at most net::kMaxStyleName bytes.
+  // Replaces the styles: the former ones, and added ones with names of at most net::kMaxStyleName
+  // bytes.
   void UseStyles(const net::Styles& styles) noexcept { styles_ = &styles; }
 
   STYLED_REALTIME void SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept;
@@ -54,7 +55,7 @@ class FrameMessage {
 
  private:
   v1::Frame frame_;
-  std::unique_ptr<v1::Timecode> spare_timecode_;  // in the frame while the rig sends one
+  std::unique_ptr<v1::Timecode> spare_timecode_;  // set while the rig sends one
   const net::Styles* styles_;
   std::vector<std::byte> buffer_;
 };

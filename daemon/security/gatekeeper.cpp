@@ -179,7 +179,7 @@ void Gatekeeper::Reread() {
   auto clients = keys::ReadClients(folder_);
   reread_ = !clients.ok();
   if (!clients.ok()) {
-    spdlog::error("security: the clients stay as they were: {}", clients.status().message());
+    spdlog::error("security: the list of clients is unchanged: {}", clients.status().message());
     return;
   }
   const Access::Change change = access_.Replace(std::move(clients.value().allowed));
@@ -219,7 +219,7 @@ bool Gatekeeper::Admit(const ZapRequest& request) {
   keys::Client client;
   const Access::Verdict verdict = access_.Judge(request.key, request.door, &client);
   if (verdict == Access::Verdict::kAllowed) {
-    spdlog::debug("security: {} comes to {} from {}", Describe(client), Domain(request.door),
+    spdlog::debug("security: {} connects to {} from {}", Describe(client), Domain(request.door),
                   request.address);
     return true;
   }

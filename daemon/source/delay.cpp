@@ -31,7 +31,7 @@ struct Sender {
   std::uint64_t sequence = 0, time_ns = 0;
   std::int64_t due_ns = 0, period_ns = 0;
 
-  // Notes a frame unless it is older than the newest one.
+  // Records a frame unless it is older than the newest one.
   void Take(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
     if (the_sequence <= sequence && due_ns != 0) return;
     if (the_sequence == sequence + 1) period_ns = static_cast<std::int64_t>(the_time_ns - time_ns);
@@ -163,7 +163,7 @@ class Delayed final : public Transport, private Receiver {
     return *place;
   }
 
-  // Hands on the frames that are due, and at least `least` of those held.
+  // Passes on the frames that are due, and at least `least` frames.
   int Release(std::int64_t now_ns, std::size_t least) {
     std::array<SourceFrame, kBatch> batch;
     std::size_t count = 0;
@@ -200,7 +200,7 @@ class Delayed final : public Transport, private Receiver {
   Receiver* to_ = nullptr;
   int source_ = 0;
   std::vector<Slot> slots_;
-  std::vector<std::size_t> free_, due_;  // indices of slots; due_ in the order of leaving
+  std::vector<std::size_t> free_, due_;  // indices of slots; due_ in the order in which they leave
   std::vector<Sender> senders_;
   runtime::Histogram arrived_, left_;  // lateness of frames at arrival and at leaving
   std::uint64_t missed_ = 0;

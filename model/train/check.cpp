@@ -26,7 +26,7 @@ std::string WhyNotWritable(const fs::path& folder) {
   std::error_code error;
   fs::path there = fs::absolute(folder, error).lexically_normal();
   while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
-  if (!fs::is_directory(there, error)) return there.string() + " is no folder";
+  if (!fs::is_directory(there, error)) return there.string() + " is not a folder";
   // For root everything is writable, and not everywhere can a file be made (/proc): try it.
   std::string probe = (there / ".styletrain-XXXXXX").string();
   if (::mkdtemp(probe.data()) == nullptr) return there.string() + " cannot be written";

@@ -111,7 +111,7 @@ TEST_F(StyleRequestTest, WhatCannotBeDoneIsRefusedWithTheReason) {
   Refuses(Rename("mine", "-x"), v1::CODE_MALFORMED, "name \"-x\": begins with - as an option does");
   Refuses(Rename("mine", "Panic"), v1::CODE_MALFORMED,
           "name \"Panic\": is a word of stylectl and OSC with another meaning");
-  Refuses(Rename("mine", "mine"), v1::CODE_MALFORMED, "name \"mine\": is its name already");
+  Refuses(Rename("mine", "mine"), v1::CODE_MALFORMED, "name \"mine\": is already its name");
   Refuses(Rename("mine", "TWO"), v1::CODE_MALFORMED, "another style that was made has it");
   Refuses(Rename("mine", "mild"), v1::CODE_MALFORMED, "name \"mild\": a preset has it");
   Refuses(Rename("mine", "S2"), v1::CODE_MALFORMED, "a style of the weights has it, \"style2\"");
@@ -389,7 +389,7 @@ TEST(StyleLibrary, AThousandStyles) {
   }
   EXPECT_EQ(after.Ask(LikeOf("one-more")).code(), v1::CODE_BUSY);
   EXPECT_EQ(after.Ask(LikeOf("one-more")).reason(),
-            "like: there are 1024 made styles already, the most that there can be");
+            "like: there are 1024 made styles already, which is the maximum");
   ASSERT_EQ(after.Ask(Remove("style-1500")).code(), v1::CODE_OK);
   EXPECT_EQ(after.Ask(LikeOf("one-more")).code(), v1::CODE_OK);
   EXPECT_EQ(StylesOf(daemon).size(), 4U + 1024);

@@ -400,9 +400,9 @@ TEST_F(UsbTest, ADeviceThatAnotherProgramHasIsTakenWhenItIsFree) {
   ASSERT_TRUE(dongle.WaitForTransfers(kInterrupt)) << daemon.Log();
   EXPECT_EQ(dongle.counts().refused_claims, 2);
   const std::string log = daemon.Log();
-  const auto said = log.find("another program has it");
+  const auto said = log.find("another program uses it");
   ASSERT_NE(said, std::string::npos) << log;
-  EXPECT_EQ(log.find("another program has it", said + 1), std::string::npos) << "said once";
+  EXPECT_EQ(log.find("another program uses it", said + 1), std::string::npos) << "said once";
 }
 
 TEST_F(UsbTest, ADaemonThatStopsGivesTheDeviceBackToTheKernel) {

@@ -17,8 +17,8 @@ using runtime::Counter;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFarthest_m = 1000;
-// Performers' sizes, as shares of the canonical humanoid's: avatars are smaller and larger than
-// people.
+// The accepted sizes of performers, relative to the canonical humanoid: avatars may be smaller and
+// larger than people.
 constexpr float kSmallest = 0.2F, kLargest = 5;
 constexpr float kDegrees = 57.29578F;
 
@@ -46,7 +46,7 @@ int DeviceRig::PartOf(const Device& device) const {
   for (const config::Tracker& row : assigned_) {
     if (row.id == device.name) part = body::FindJoint(row.part);
   }
-  // A part that the table gives to another device is not this one's by habit.
+  // If `trackers` assigns a part to another device, this one does not get it by default.
   for (const config::Tracker& row : assigned_) {
     if (row.id != device.name && part >= 0 && row.part == PartName(part)) return Seen::kUnknown;
   }
@@ -84,7 +84,7 @@ DeviceRig::Known* DeviceRig::Find(const Device& device, std::uint64_t peer, std:
   known.peer = peer;
   known.part = part;
   known.fixed = part != Seen::kUnknown;
-  for (Known& other : known_) {  // what was guessed to be there gives way
+  for (Known& other : known_) {  // an explicit assignment replaces a guess
     if (!other.fixed && other.part == part) other.part = Seen::kUnknown;
   }
   known.last = {body::Vec3::Constant(kNan), body::Quat(kNan, kNan, kNan, kNan)};
@@ -97,8 +97,9 @@ void DeviceRig::Introduce(Known& known, std::int64_t now_ns, Outbox& out) {
   if (times == 0) return;
   out.Note([&] {
     return "device \"" + Printable(known.name, 64) + "\" " +
-           (known.fixed ? "is worn on " + std::string(PartName(known.part))
-                        : "is on no known part: a calibration guesses it, or `trackers` says it") +
+           (known.fixed
+                ? "is worn on " + std::string(PartName(known.part))
+                : "is on no known part: a calibration guesses it, or `trackers` assigns it") +
            "; to be calibrated while the performer stands in a T-pose" + Times(times);
   });
 }
@@ -153,7 +154,7 @@ bool DeviceRig::IsTurned(const Known& known, std::int64_t now_ns) const {
   return known.rotation_ns != 0 && now_ns - known.rotation_ns <= options_.stale_ns;
 }
 
-// The live devices, and whose they are. Changes none.
+// The live devices and their performers. Changes nothing.
 std::vector<Seen> DeviceRig::See(std::int64_t now_ns, std::vector<Known*>& who) {
   std::vector<Seen> seen;
   for (Known& known : known_) {
@@ -183,7 +184,7 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
   }
   std::vector<Known*> who;
   std::vector<Seen> seen = See(now_ns, who);
-  if (seen.empty()) return Status::Error("no device is live that says where it is");
+  if (seen.empty()) return Status::Error("no live device reports its position");
   devices::GuessParts(seen);
   const devices::Stance stance = devices::FindStance(seen);
   if (!(stance.scale >= kSmallest && stance.scale <= kLargest)) {
@@ -208,10 +209,11 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
     any_turned = any_turned || IsTurned(*who[i], now_ns);
   }
   if (worn.empty() && guessed.empty()) {
-    return Status::Error("no device is where a T-pose has one: " + left);
+    return Status::Error("no device is at a place that fits a T-pose: " + left);
   }
-  if (!any_turned) return Status::Error("no device that is worn says how it is turned");
-  // Nothing has changed so far. Guesses of the last calibration end, those of silent devices, too.
+  if (!any_turned) return Status::Error("no worn device reports its rotation");
+  // Nothing has changed so far. The guesses of the last calibration end here, including those of
+  // silent devices.
   for (Known& known : known_) {
     if (!known.fixed) known.part = Seen::kUnknown;
   }
@@ -224,7 +226,7 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
         IsTurned(known, now_ns) ? known.last.rotation : body::Quat(kNan, kNan, kNan, kNan));
   }
   calibrated_ = devices_.Reset(now_ns, stance).done != 0;
-  if (!calibrated_) return Status::Error("no device that is worn says how it is turned");
+  if (!calibrated_) return Status::Error("no worn device reports its rotation");
   char figures[64];
   std::snprintf(figures, sizeof figures, "%.0f degrees by ",
                 static_cast<double>(kDegrees * stance.heading));

@@ -14,7 +14,7 @@ namespace {
 using runtime::Counter;
 
 constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
-// As of mocopi: a smaller step back means a late frame, unless so many come in a row.
+// As in mocopi.cpp: a smaller step back means a late frame, unless so many occur in a row.
 constexpr int kOldFrames = 5;
 
 class LiveLinkFace final : public Translator {
@@ -37,7 +37,7 @@ class LiveLinkFace final : public Translator {
   }
 
  private:
-  // Returns false for another phone than the one that sends, and for an old frame.
+  // Returns false for a phone other than the current one, and for an old frame.
   bool Admit(const live_link_face::Frame& frame, std::int64_t now_ns, Outbox& out) {
     if (frame.device != device_ || frame.subject != subject_) {
       if (any_ && now_ns - seen_ns_ < kTakeOver_ns) {

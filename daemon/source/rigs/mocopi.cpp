@@ -13,8 +13,8 @@ namespace {
 
 using runtime::Counter;
 
-// A frame at least so far behind the newest one means a restart. A smaller distance means a late
-// frame, unless kOldFrames such frames come in a row.
+// A frame at least this far behind the newest one means a restart. A smaller distance means a late
+// frame, unless kOldFrames such frames occur in a row.
 constexpr std::uint32_t kRestartFrames = 60;
 constexpr float kRestart_s = 1.0F;
 constexpr int kOldFrames = 5;

@@ -18,7 +18,7 @@ using runtime::Counter;
 
 // How long a new character may remain without name and T-pose: MVN sends them once a second.
 constexpr std::int64_t kPatience_ns = 3 * runtime::kSecond_ns / 2;
-// A sample so far behind the newest one is a restart, not a late sample.
+// A sample this far behind the newest one means a restart, not a late sample.
 constexpr std::uint32_t kRestartSamples = 240;
 constexpr std::size_t kMaxCharacters = 64;
 constexpr int kHead = 6, kHandSegments = 20;
@@ -105,7 +105,7 @@ class Character {
   std::array<rig::Quat, mvn::kMaxSegments> rotations_;
   int gathered_ = 0, wanted_ = 0, next_part_ = 0;
   mvn::Type gathered_type_ = mvn::Type::kEuler;
-  int props_ = 0;  // that the last sample has
+  int props_ = 0;  // number in the last sample
   std::array<std::string, mvn::kMaxProps> prop_names_{"Prop1", "Prop2", "Prop3", "Prop4"};
   std::vector<rig::Quat> joint_rotations_;
   rig::RigBody body_;
@@ -123,7 +123,7 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
   has_scale_ = true;
   NameProps(scale, out);
   if (!stream_ || !stream_->has_body()) return;
-  // The T-pose arrived after the body was made: a changed body, if it differs.
+  // The T-pose arrived after the body was made: it changes the body, if it differs.
   mvn::Header header;
   header.type = type_;
   header.finger_segments =
@@ -154,8 +154,7 @@ Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns,
     return Order::kOld;
   }
   if (any_sample_ && header.sample == sample_ && sent_) {
-    // A part that the headers did not announce, after a pose that was complete without it, is no
-    // error.
+    // A part that the headers did not announce is not an error if the pose was complete without it.
     if (header.datagram < next_part_) out.Refuse(Counter::kPipelineDuplicate);
     return Order::kOld;
   }
@@ -209,19 +208,20 @@ void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
   out.Note([&] {
     return "character " + std::to_string(id_) + ": " + std::to_string(gathered_) + " of " +
            std::to_string(wanted_) +
-           " segments of a sample came, in order from its first datagram: it makes no frame" +
+           " segments of a sample arrived, in order from its first datagram: no frame is made" +
            Times(times);
   });
 }
 
-// Once a character: it plays without, named after the source, with the bones of its first pose.
+// Logged once per character: it continues without the missing data, named after the source, with
+// the bones of its first pose.
 void Character::ReportMissingInput(Outbox& out) {
   out.Note([&] {
     return "character " + std::to_string(id_) + " sends " +
            (called_.empty() && !has_scale_ ? "neither name (type 12) nor T-pose (type 13)"
             : called_.empty()              ? "no name (type 12)"
                                            : "no T-pose (type 13)") +
-           ", expected both within 1.5 s: it plays as " + stream_->performer() +
+           ", expected both within 1.5 s: it continues as " + stream_->performer() +
            (has_scale_ ? "" : ", with the bones of its first pose") +
            ". Switch on character information and scaling in MVN's network streamer";
   });

@@ -17,9 +17,9 @@ using natnet::MessageId;
 using runtime::Counter;
 using runtime::kSecond_ns;
 
-constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, questions
+constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, requests
 constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // silence after which CONNECT is repeated
-// A frame at least so far behind the newest one means that the server restarted or replays a
+// A frame at least this far behind the newest one means that the server restarted or replays a
 // recording, not that the frame was overtaken.
 constexpr std::int32_t kOvertaken = 16;
 constexpr int kBadFrames = 10;         // consecutive: the bitstream may have changed
@@ -49,7 +49,7 @@ NatNet::NatNet(const config::Source& config, const sockaddr_in& server, in_addr 
 void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
                   Outbox& out) {
   if (!SameHost(peer, server_)) {
-    out.LeaveHotSection();  // the line is composed before it is known that it was said
+    out.LeaveHotSection();  // the line is composed before the check whether it was logged
     Say("ignoring packets that do not come from server " + config_.server, out);
     return out.Refuse(Counter::kSourceIgnored);
   }
@@ -57,7 +57,7 @@ void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::in
   if (natnet::DecodePacket(datagram, packet) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
-  if (now_ns - heard_ns_ >= kSilence_ns) {  // it is back
+  if (now_ns - heard_ns_ >= kSilence_ns) {  // the server answers again
     out.LeaveHotSection();
     said_.Forget(now_ns);
   }
@@ -83,8 +83,8 @@ void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
   if (wants_model_) AskForModel(now_ns, out);
 }
 
-// Old servers know the record; from 4.0 on also the longer shape; no server objects to the other
-// one. No bitstream is requested: SERVER INFO states which one is used.
+// Old servers know the first record, servers from 4.0 on also the longer one; no server objects to
+// the other one. No bitstream is requested: SERVER INFO states which one is used.
 void NatNet::AskWho(Outbox& out) {
   natnet::Connect connect;
   connect.shape =
@@ -142,7 +142,7 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
   out.LeaveHotSection();
   if (!model_->complete) {
     Say("server " + config_.server +
-            " sent data of an unknown type; what follows it in that packet is lost",
+            " sent data of an unknown type; the rest of that packet is lost",
         out);
   }
   if (model_->skeletons_left_out > 0) {
@@ -169,7 +169,7 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
   performers_ = std::move(performers);
 }
 
-// Reuses the performer of this skeleton's name, or makes one.
+// Reuses the performer with this skeleton's name, or makes one.
 bool NatNet::Adopt(const natnet::SkeletonDescription& description,
                    std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = NatNetSkeleton::Make(description);
@@ -254,7 +254,7 @@ void NatNet::WatchConvention(Outbox& out) {
       out);
 }
 
-// A body of a skeleton has the skeleton's id in its upper 16 bits. What is not tracked has the pose
+// A body of a skeleton has the skeleton's id in its upper 16 bits. An untracked body has the pose
 // of an earlier frame.
 void NatNet::TakeProps(Outbox& out) noexcept {
   props_.count = props_.left_out = 0;

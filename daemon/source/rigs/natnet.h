@@ -23,8 +23,8 @@ namespace styled::source {
 // OptiTrack's Motive and other servers of NatNet 2.7 to 4.2 ("natnet"; bytes: proto/rigs/natnet).
 //
 // Transport   UDP, a dialogue with `server` (port 1510) through Outbox::Reply; the sockets are the
-//             transport's (daemon/source/natnet.h). CONNECT once a second while nobody answers, and
-//             again when the server was silent for 2 s; the model is asked for again when the
+//             transport's (daemon/source/natnet.h). CONNECT once a second until the server answers,
+//             and again when the server was silent for 2 s; the model is asked for again when the
 //             server says that it changed or an unknown skeleton comes.
 // Performer   Each of the server's skeletons, up to 16: its name there; NAME-2, ... where a name is
 //             taken.
@@ -103,7 +103,7 @@ class NatNet final : public Translator {
   int bad_frames_ = 0;  // in a row
 
   std::vector<std::unique_ptr<Performer>> performers_;
-  // Rigid bodies that are parts of nothing, of the server's model; and the last frame's.
+  // The rigid bodies of the server's model that belong to no skeleton, and those of the last frame.
   std::vector<std::pair<std::int32_t, std::string>> prop_names_;
   PropList props_;
   NatNetConventionFinder convention_;
@@ -118,8 +118,8 @@ class NatNet final : public Translator {
   std::unique_ptr<natnet::Model> model_ = std::make_unique<natnet::Model>();
 };
 
-// The translator without its sockets, for a recording: its server is config.server, as it is
-// written, or nobody.
+// The translator without its sockets, for a recording: its server is config.server as written, or
+// none.
 std::unique_ptr<Translator> MakeNatNet(const config::Source& config);
 
 }  // namespace styled::source

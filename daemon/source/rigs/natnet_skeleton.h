@@ -59,8 +59,8 @@ class NatNetSkeleton {
 STYLED_REALTIME void ConvertRigidBody(const natnet::Bone& body, NatNetConvention convention,
                                       rig::Vec3& position, rig::Quat& rotation) noexcept;
 
-// Detects the convention from what fits the skeletons' bone lengths, in every frame, because an
-// operator may change it on the server at any time.
+// Detects the convention in every frame, by how well each convention reproduces the skeletons' bone
+// lengths: an operator may change it on the server at any time.
 class NatNetConventionFinder {
  public:
   // Each argument is "auto" or a fixed value: "global", "local"; "y", "z".

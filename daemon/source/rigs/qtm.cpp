@@ -15,14 +15,16 @@ using qtm::DecodeResult;
 using qtm::PacketType;
 using runtime::Counter;
 
-constexpr std::size_t kMaxQuestion = 64;  // bytes of a question; the longest has 41
+constexpr std::size_t kMaxQuestion = 64;  // bytes of a request; the longest has 41
 
 }  // namespace
 
 Qtm::Qtm(const config::Source& config) : config_(config) {
   asked_.reserve(kMaxQuestion);
   const auto server = config::ParseServer(config.server, qtm::kPort);
-  if (!server.ok()) return;  // a recording's; the configuration of a live source was checked
+  if (!server.ok())
+    return;  // true for a recording's; the configuration of a live source is
+             // already validated
   std::memcpy(&server_.address, &server.value(), sizeof server.value());
   server_.address_size = sizeof server.value();
 }
@@ -36,7 +38,7 @@ void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int
   switch (packet.type) {
     case PacketType::kData:
       return TakeFrame(packet.payload, now_ns, out);
-    case PacketType::kNoMoreData:  // the stream goes on with the next measurement
+    case PacketType::kNoMoreData:  // the stream continues with the next measurement
       no_measurement_ = true;
       return;
     case PacketType::kCommand:
@@ -53,7 +55,7 @@ void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int
 }
 
 void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
-  // The answer to a question for parameters; what was not asked for is not read.
+  // The answer to a request for parameters. Sections that were not requested are not read.
   if (!IsAsking() || stage_ < Stage::kGeneral) return out.Refuse(Counter::kSourceIgnored);
   out.LeaveHotSection();
   const auto read = qtm::ReadParameters(xml);
@@ -77,7 +79,7 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
     case Stage::kStreaming:
       if (parameters.skeletons) changed = TakeSkeletons(*parameters.skeletons, changed, out);
       return EndReread(changed, now_ns);
-    default:  // asks nothing that XML answers
+    default:  // requests nothing that is answered in XML
       return;
   }
 }
@@ -119,14 +121,14 @@ bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
   return true;
 }
 
-// Reuses the performer of this skeleton's name, or makes one.
+// Reuses the performer with this skeleton's name, or makes one.
 bool Qtm::Adopt(const qtm::SkeletonDescription& description,
                 std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = QtmSkeleton::Make(description, up_);
   if (!skeleton.ok()) {
     Say(Server() + ": " + skeleton.status().message(), out);
     out.Refuse(Counter::kPipelineBodiesRefused);
-    performers.push_back(nullptr);  // frames count it
+    performers.push_back(nullptr);  // the counter `frames` includes it
     return false;
   }
   Performer& performer = AdoptNamed(description.name, performers_, performers);
@@ -152,7 +154,7 @@ void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
   }
 }
 
-// What begins may have other skeletons.
+// A measurement that begins may have other skeletons.
 void Qtm::BeginSession(std::int64_t now_ns) noexcept {
   if (any_frame_) {
     for (auto& performer : performers_) {
@@ -201,7 +203,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     const qtm::SkeletonPose& segments = frame_->skeletons[k];
     Performer* performer = k < performers_.size() ? performers_[k].get() : nullptr;
     unknown = unknown || k >= performers_.size();
-    if (segments.segment_count == 0) continue;  // QTM does not see it
+    if (segments.segment_count == 0) continue;  // QTM does not see the skeleton
     if (performer == nullptr || !performer->skeleton.Convert(segments, performer->pose)) {
       unknown = unknown || performer != nullptr;
       out.Refuse(Counter::kPipelineBeforeBody);

@@ -22,8 +22,8 @@ using rokoko::kJoints;
 using runtime::Counter;
 using Joints = std::bitset<kJoints>;
 
-constexpr std::size_t kMaxActors = 64;  // of all senders
-// A smaller step back in time means a late frame, unless kOldFrames such frames come in a row.
+constexpr std::size_t kMaxActors = 64;  // for all senders
+// A smaller step back in time means a late frame, unless kOldFrames such frames occur in a row.
 constexpr double kRestart_s = 1;
 constexpr int kOldFrames = 5;
 

@@ -23,10 +23,10 @@ using runtime::Counter;
 constexpr std::size_t kMaxDevices = 64;
 constexpr std::int64_t kHeartbeat_ns = runtime::kSecond_ns / 2;
 constexpr std::int64_t kSilent_ns = 5 * runtime::kSecond_ns;
-// A tracker is live, and bound to its address, until it was silent for so long. It replies to a
-// heartbeat and a ping every kHeartbeat_ns, so four of each would be lost, more than in Wi-Fi's
-// bursts. A tracker that turns up elsewhere either searched for a server after 3 s without this
-// one, or was switched off.
+// A tracker is live, and bound to its address, until it was silent for this long. It replies to a
+// heartbeat and a ping every kHeartbeat_ns, so silence means that four of each were lost, more than
+// in Wi-Fi's bursts. A tracker that appears at another address either searched for a server after 3
+// s without this one, or was switched off.
 constexpr std::int64_t kTakeover_ns = 2 * runtime::kSecond_ns;
 // From this protocol on every sensor is announced before use; older firmware has one sensor.
 constexpr std::uint32_t kAnnouncesSensors = 9;
@@ -88,7 +88,7 @@ class SlimeVr final : public Translator {
       if (handshake != nullptr) return Greet(*handshake, peer, now_ns, out);
     }
     Device* device = At(peer);
-    // A tracker that knows another server: it gives up after 3 s and sends a handshake.
+    // A tracker that is bound to another server: it gives up after 3 s and sends a handshake.
     if (device == nullptr) return out.Refuse(Counter::kSourceIgnored);
     if (!IsNext(*device, now_ns, out)) return;
     device->heard_ns = now_ns;
@@ -188,10 +188,10 @@ class SlimeVr final : public Translator {
     });
   }
 
-  // A new device, or the one that was silent for longest. Null if all devices are live or reserved
-  // by the configuration.
+  // A place for a new device: a free one, or that of the device that was silent for longest. Null
+  // if all devices are live or reserved by the configuration.
   Device* FindRoom(std::int64_t now_ns) {
-    // Never reallocates: reserved.
+    // Never reallocates, because the capacity is reserved.
     if (devices_.size() < kMaxDevices) return &devices_.emplace_back();
     Device* oldest = nullptr;
     for (Device& device : devices_) {
@@ -211,7 +211,7 @@ class SlimeVr final : public Translator {
       return "there is room for " + std::to_string(kMaxDevices) +
              " trackers, all of it taken: " + slimevr::ToText({address, 0}) + " from " +
              AddressText(peer.address, peer.address_size) +
-             " is refused; those named in `trackers` have a place kept" + Times(times);
+             " is refused; those named in `trackers` have a reserved place" + Times(times);
     });
   }
 
@@ -319,7 +319,7 @@ class SlimeVr final : public Translator {
   bool has_table_ = false;  // the configuration names trackers
   NoteLimit takeover_notes_, full_notes_;
   NoteLimit restart_notes_{kMaxDevices}, error_notes_{kMaxDevices};  // all devices at once
-  NoteLimit buttons_{8};  // resets; nobody presses a button more often in good faith
+  NoteLimit buttons_{8};  // limits resets; an operator does not press a button more often
 };
 
 }  // namespace

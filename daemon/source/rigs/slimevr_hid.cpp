@@ -15,7 +15,7 @@ using runtime::Counter;
 
 constexpr std::size_t kMaxReceivers = 16;
 
-// One opening of a receiver, with its registered trackers by number.
+// One receiver since it was opened, with its registered trackers by number.
 struct Receiver {
   struct Tracker {
     std::optional<std::uint64_t> address;
@@ -53,7 +53,7 @@ class SlimeVrHid final : public Translator {
   }
 
  private:
-  // If all places are taken, the receiver that was silent for longest is forgotten.
+  // If all places are in use, the receiver that was silent for longest is removed.
   Receiver& ReceiverOf(const Peer& peer) {
     const auto found = std::ranges::find(receivers_, peer.id, &Receiver::peer);
     if (found != receivers_.end()) return *found;

@@ -94,7 +94,7 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
     found->part = part;
   } else {
     out.LeaveHotSection();
-    // Trackers can be forged, so one without a joint is replaced. There are fewer joints than
+    // Trackers can be forged, so a tracker without a joint is replaced. There are fewer joints than
     // kMaxKnown.
     if (known_.size() == kMaxKnown) {
       known_.erase(std::ranges::find(known_, kUnassigned, &Known::part));
@@ -157,7 +157,7 @@ Status TrackerRig::Calibrate(Calibration what, std::int64_t now_ns) {
       break;
     case Calibration::kMounting:
       outcome = trackers_.ResetMounting(now_ns);
-      why = " had no full reset, or did not turn as a skier's do since";
+      why = " had no full reset, or did not turn as in the ski pose since";
       break;
   }
   if (outcome.done == 0) {

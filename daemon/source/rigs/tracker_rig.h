@@ -28,8 +28,8 @@ class TrackerRig {
   static constexpr int kUnassigned = -1;
   // The joint that carries the tracker: as configured; else, if no other tracker has that joint,
   // the one that the tracker itself reports (`position`, SlimeVR's TrackerPosition; 0: none). Logs
-  // the result the first time; for trackers on no joint, which anybody can forge, at most one line
-  // a second after the first kMaxKnown / 4. Allocates: keep the result.
+  // the result the first time. For trackers without a joint, which anyone can forge, it logs at
+  // most one line a second after the first kMaxKnown / 4. Allocates: keep the result.
   int PartOf(const slimevr::TrackerId& id, int position, std::int64_t now_ns, Outbox& out);
 
   // The addresses of the devices that the configuration names, each once.
@@ -48,7 +48,7 @@ class TrackerRig {
   struct Known {
     slimevr::TrackerId id;
     int part = kUnassigned;
-    bool said = false;  // it is logged
+    bool said = false;  // the result was logged
   };
   static constexpr std::size_t kMaxKnown = 256;
 

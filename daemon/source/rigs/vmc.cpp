@@ -24,11 +24,11 @@ using rig::Vec3;
 using runtime::Counter;
 using vmc::BoneSet;
 
-// Most frames made of one datagram. Senders put one frame, or a part of it, into each. The largest
-// datagram could hold 680, which is more work than the time of a frame allows.
+// The most frames made from one datagram. Senders put one frame, or a part of it, into each. The
+// largest datagram could hold 680 frames, which takes more time than one frame allows.
 constexpr int kMostFrames = 4;
 constexpr std::size_t kMaxSenders = 8;
-// Another avatar: bones that are kMoved_m away from where they were, and stay there.
+// Bones that moved by kMoved_m, and stay there, mean another avatar.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
 constexpr int kMovedFrames = 10;
 
@@ -42,7 +42,8 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return (ToVec3(a) - ToVec3(b)).norm();
 }
 
-// What of a source is merged into a performer: neither, for a source with performers of its own.
+// The parts of a source that are merged into a performer: none for a source with performers of its
+// own.
 struct Merged {
   bool face = false, fingers = false;
 };
@@ -146,7 +147,7 @@ void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out)
   stream_.Send(pose_, info, out);
 }
 
-// Notes positions and root. Values that are not finite are ignored.
+// Records positions and root. Values that are not finite are ignored.
 void Sender::Remember(const vmc::Frame& frame) {
   bool moved = false, steady = true;
   for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
@@ -160,7 +161,8 @@ void Sender::Remember(const vmc::Frame& frame) {
     }
     positions_[at] = position;
   }
-  // Of hands alone the places may be those in the room; lengths do not matter for fingers.
+  // If only hands are merged, their positions may be positions in the room; lengths do not matter
+  // for fingers.
   moved_frames_ = moved && steady && !merged_.fingers ? moved_frames_ + 1 : 0;
   hips_position_ = ToVec3(positions_[vmc::kHips]);
   if (!frame.has_root) return;
@@ -171,8 +173,8 @@ void Sender::Remember(const vmc::Frame& frame) {
 }
 
 // The bones that the body should have; 0 while that is unknown, because the first frame may be the
-// end of one. A bone that disappeared leaves the body only if no skeleton needs it. Fingers need no
-// more than hands, which the sender may leave out, and a root.
+// end of one. A bone that disappeared is removed from the body only if no skeleton needs it.
+// Fingers need only hands, which the sender may leave out, and a root.
 BoneSet Sender::Wanted(const vmc::Frame& frame) {
   if (merged_.fingers) {
     if (bones_ == 0 && frame.bones != before_) return 0;

@@ -10,8 +10,8 @@ namespace {
 
 using runtime::Counter;
 
-// A clock that falls by more than this is that of a sender that started again; by less, that of an
-// old datagram.
+// A clock that goes back by more than this belongs to a sender that restarted; by less, to an old
+// datagram.
 constexpr float kRestart_s = 1;
 
 // Calls `use(message)` for each message of the datagram.
@@ -45,7 +45,7 @@ bool VmcDevices::HasDevice(std::span<const std::byte> datagram) {
   return has;
 }
 
-// Counts a datagram of the past, and notes that the sender started again.
+// Counts an old datagram, and detects a restart of the sender.
 bool VmcDevices::IsOld(float time_s, Outbox& out) {
   if (!std::isfinite(time_s)) return false;
   const bool fell = has_time_ && time_s < time_s_;

@@ -51,7 +51,7 @@ Status Device::Claim() {
   if (result == LIBUSB_SUCCESS) return Status::Ok();
   return Status::Error(
       "interface " + std::to_string(interface_.number) + " cannot be claimed: " +
-      (result == LIBUSB_ERROR_BUSY ? "another program has it" : libusb_strerror(result)));
+      (result == LIBUSB_ERROR_BUSY ? "another program uses it" : libusb_strerror(result)));
 }
 
 void Device::OnTransfer(libusb_transfer* transfer) {

@@ -26,7 +26,7 @@ class Device {
   };
   using OwnedHandle = std::unique_ptr<libusb_device_handle, Handle>;
 
-  // Claims the interface and starts the transfers. `number` is attached to all that the device
+  // Claims the interface and starts the transfers. `number` is attached to all data that the device
   // reports. Errors say what was refused.
   static Result<std::unique_ptr<Device>> Start(OwnedHandle handle, const Interface& interface,
                                                std::uint32_t number, Reports& reports,

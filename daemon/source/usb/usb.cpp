@@ -115,7 +115,7 @@ class TranslatedUsb final : public Usb {
       peer.id = report.device;
       translator_->Take(report.bytes, peer, report.arrival_ns, outbox_);
     }
-    // What still waits comes after a silence, if there was one, and must not be taken for it.
+    // A waiting report may follow a silence and must not be mistaken for it.
     if (work == static_cast<int>(kBatch)) until_ns = std::min(until_ns, report.arrival_ns);
     if (until_ns >= translator_->NextDeadline_ns()) ++work;
     translator_->Tick(until_ns, outbox_);

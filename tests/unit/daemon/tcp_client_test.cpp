@@ -141,10 +141,10 @@ TEST_F(TcpClientTest, IsRefusedWithWhatWasExpected) {
   };
   EXPECT_EQ(refused("127.0.0.1", "0.0.0.0:0"), "");
   EXPECT_EQ(refused("qtm.local", "0.0.0.0:0"),
-            "server: \"qtm.local\"; expected an IPv4 address, or one and a port, e.g. "
+            "server: \"qtm.local\"; expected an IPv4 address, or an address and a port, e.g. "
             "\"192.168.1.10:22223\"");
   EXPECT_EQ(refused("127.0.0.1", "[::1]:0"),
-            "tcp [::1]:0: expected an IPv4 address, as the server's is");
+            "tcp [::1]:0: expected an IPv4 address, like the server's");
 }
 
 TEST_F(TcpClientTest, TakesRecordsWhereverTheirSegmentsEndAndAnswers) {

@@ -77,7 +77,7 @@ TEST_F(KeyCommandsTest, WhatIsWrongIsSaidAndNothingChanges) {
   EXPECT_EQ(RunAt({"allow", "anna", key, "--role", "king"}), kExitUsage);
   EXPECT_EQ(RunAt({"allow", "anna"}), kExitUsage);
   EXPECT_EQ(Run({"allow", "anna", key, "--keys", folder_ / "nowhere"}), kExitRefused);
-  EXPECT_THAT(err_.str(), HasSubstr("is no folder; expected the daemon's security.keys"));
+  EXPECT_THAT(err_.str(), HasSubstr("is not a folder; expected the daemon's security.keys"));
   EXPECT_EQ(Run({"keys", "--keys", folder_ / "nowhere", "--json"}), kExitRefused);
   EXPECT_FALSE(nlohmann::json::parse(out_.str())["ok"]);
   EXPECT_TRUE(keys::ReadClients(keys_).value().allowed.empty());
