@@ -193,11 +193,11 @@ def look_options(field):
 
 LOOK_HELP = {'strength': '0 to 1.5', 'transition_ms': 'fade of this and later changes',
              'absolute': "the network's pose as it is", 'parts': 'e.g. head,left-arm; the others as captured',
-             'input_style': 'what the performer moves in already',
+             'input_style': "the performer's own style, which is removed",
              'root': "where on the floor: as captured, or at the style's speed",
-             'vary': 'the variation of the style: 1 to 99; 0: the style itself; each: everyone another',
+             'vary': 'the variation of the style: 1 to 99; 0: the style itself; each: a different one per performer',
              'vary_amount': 'of the variation: 0 (the style itself) to 1.5',
-             'drift_s': 'the variation wanders: seconds to the next; 0: it stays'}
+             'drift_s': 'the variation changes slowly: seconds to the next one; 0: constant'}
 
 
 def in_unit(unit):

@@ -52,7 +52,7 @@ class Writer {
   std::size_t size_ = 0;
 };
 
-// Of a text with its length before it.
+// The size of a text and of the length before it.
 DecodeResult ReadText(Reader& reader, std::string_view& text) noexcept {
   if (reader.left() < 4) return DecodeResult::kNotFace;
   const std::uint32_t size = reader.Word();

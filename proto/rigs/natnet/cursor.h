@@ -10,7 +10,7 @@
 #include "proto/rigs/cursor.h"
 #include "proto/rigs/natnet/packet.h"
 
-// For the codec only: what NatNet adds to the cursors that codecs share.
+// For the codec only: NatNet's additions to the cursors that codecs share.
 namespace styled::natnet {
 
 // From this version on, sections and data sets state their sizes, and a frame has assets and PTP
@@ -47,7 +47,7 @@ class Reader : public rigs::ByteReader<DecodeResult> {
     return static_cast<std::size_t>(count);
   }
 
-  // Sub splits off a part with its own end. Join takes over the part's error after it was read;
+  // Sub splits off a part with its own end. Join adopts the part's error after it was read;
   // `exact`: it must have been read to its end.
   Reader Sub(std::size_t size) noexcept { return Reader(Take(size)); }
   void Join(const Reader& part, bool exact) noexcept {

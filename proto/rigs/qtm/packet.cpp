@@ -42,7 +42,7 @@ std::size_t Largest(PacketType type) noexcept {
   }
 }
 
-// ASCII alone: no locale decides what QTM says.
+// ASCII only, so that no locale changes how QTM's text is read.
 char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {

@@ -89,9 +89,9 @@ class Arguments {
   std::span<const std::byte> bytes_;
 };
 
-// Writes one datagram to the front of `out`: a message, or bundles of them. If something does not
-// fit, or more than kMaxDepth bundles are nested, ok() becomes false for good and the content of
-// `out` is invalid.
+// Writes one datagram to the front of `out`: a message, or bundles of them. If a part does not fit,
+// or more than kMaxDepth bundles are nested, ok() becomes false for good and the content of `out`
+// is invalid.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> out) noexcept : out_(out) {}

@@ -72,7 +72,7 @@ TEST_F(KeyCommandsTest, ClientsAreLetInShownAndRevoked) {
 TEST_F(KeyCommandsTest, WhatIsWrongIsSaidAndNothingChanges) {
   const std::string key = keys::MakePair().value().public_key;
   EXPECT_EQ(RunAt({"allow", "anna", "nonsense"}), kExitRefused);
-  EXPECT_THAT(err_.str(), HasSubstr("'nonsense' is no public key; expected 40 characters"));
+  EXPECT_THAT(err_.str(), HasSubstr("'nonsense' is not a public key; expected 40 characters"));
   EXPECT_EQ(RunAt({"allow", "an na", key}), kExitRefused);
   EXPECT_EQ(RunAt({"allow", "anna", key, "--role", "king"}), kExitUsage);
   EXPECT_EQ(RunAt({"allow", "anna"}), kExitUsage);
