@@ -46,7 +46,7 @@ Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& gi
 
 Result<rig::Binding> TakeBvh(const std::string& file, const std::string& dialect,
                              const rig::JointNames& given, AvatarSkeleton& avatar) {
-  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  // a skeleton needs a thousandth of it
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  // far above a skeleton's size
   constexpr const char* kExpected = ", expected an avatar's BVH file";
   const auto opened = InputFile::Open(file, kExpected);
   if (!opened.ok()) return opened.status();

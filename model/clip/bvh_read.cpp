@@ -19,8 +19,8 @@ using rig::Vec3;
 
 constexpr int kMaxJoints = rig::kMaxSourceJoints;  // no binding has more
 constexpr std::size_t kMaxName = 256;              // bytes
-// Frames take at most so many bytes for each byte of text, beside a fixed allowance. Of the densest
-// text of rotations, "0 0 0 " per joint, they take 5.
+// Frames take at most this many bytes for each byte of text, in addition to a fixed allowance. For
+// the densest text of rotations, "0 0 0 " per joint, they take 5.
 constexpr std::size_t kFrameBytesPerByte = 6;
 constexpr std::size_t kFramesAllowance = std::size_t{2} << 20;
 constexpr std::uint64_t kRowsPerCheck = 256;  // of the time limit
@@ -395,7 +395,7 @@ Result<Clip> ReadBvh(const std::filesystem::path& file) {
 
 namespace {
 
-// Binds a frame, and gives its rotations the signs that continue the pose before it, if any.
+// Binds a frame, and chooses the signs of its rotations that continue the pose before it, if any.
 void BindFrame(const rig::Binding& binding, const rig::RigPose& frame, const body::Pose* before,
                body::Pose& pose) {
   binding.Bind(frame, pose);

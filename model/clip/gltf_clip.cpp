@@ -28,9 +28,9 @@ constexpr double kLongest_s = 60, kLatest_s = 86400;
 constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
 constexpr double kSlowest_hz = 10, kFastest_hz = 240;
 constexpr float kMaxValue = 1e6F;  // of a translation, m
-// The sampled frames take at most so many bytes for each byte of the file, beside a fixed allowance
-// (60 s of 55 joints at 43 Hz). Where they would take more, they are sampled at a lower rate: the
-// file has few keys then.
+// The sampled frames take at most this many bytes for each byte of the file, in addition to a fixed
+// allowance (60 s of 55 joints at 43 Hz). If they would take more, they are sampled at a lower
+// rate, because such a file has few keys.
 constexpr std::size_t kSampledBytesPerByte = 4;
 constexpr std::size_t kSampledAllowance = std::size_t{4} << 20;
 constexpr std::size_t kFramesPerCheck = 64;  // of the time limit
@@ -56,8 +56,8 @@ class Accessors {
   Accessors(const json& file, std::string_view data)
       : file_(file), data_(data), left_(data.size()) {}
 
-  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other; of
-  // SCALAR, times that rise.
+  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other; for
+  // SCALAR, increasing times.
   using Values = std::shared_ptr<const std::vector<float>>;
   Result<Values> Read(int index, const std::string& type) {
     Values& kept = kept_[{index, type}];
@@ -158,7 +158,7 @@ class Accessors {
         return Load<float>(at);
     }
   }
-  // Where the rows of an accessor lie; `size` bytes each.
+  // The position of an accessor's rows; `size` bytes each.
   Result<Rows> View(const json& accessor, std::size_t size, std::size_t count) const {
     const auto number = IndexOf(accessor, "bufferView");
     const json& view = number ? At("bufferViews", *number) : At("bufferViews", 1 << 30);
@@ -209,7 +209,7 @@ struct NodeTracks {
   Track rotation, translation;
 };
 
-// The nodes whose motion moves the humanoid: its bones, and what is above its hips.
+// The nodes whose motion moves the humanoid: its bones, and the nodes above its hips.
 class MovingNodes {
  public:
   MovingNodes(const gltf::Nodes& nodes, const gltf::Bones& bones, std::size_t count)
@@ -225,7 +225,7 @@ class MovingNodes {
   const std::vector<int>& above() const { return above_; }  // outermost first
   std::size_t size() const { return static_cast<std::size_t>(size_); }
   std::size_t nodes() const { return places_.size(); }
-  // A node's place among them; -1: none of them.
+  // A node's place among them; -1: not among them.
   int place(int node) const { return places_[static_cast<std::size_t>(node)]; }
   bool is_bone(int node) const { return place(node) >= static_cast<int>(above_.size()); }
 
@@ -284,7 +284,7 @@ Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& acces
   return track;
 }
 
-// The channels of an animation that move the humanoid, by the places of their nodes; none if it
+// The channels of an animation that move the humanoid, by the places of their nodes; empty if it
 // turns no bone. Of two channels of one target the last one counts.
 Result<std::vector<NodeTracks>> ReadTracks(const json& animation, const MovingNodes& moving,
                                            Accessors& accessors) {
@@ -439,7 +439,7 @@ class Sampler {
   std::size_t bytes_;
 };
 
-// The first animation that turns a bone; none: an empty list.
+// The first animation that turns a bone; an empty list if there is none.
 Result<std::vector<NodeTracks>> FindTracks(const json& file, std::string_view data,
                                            const MovingNodes& moving) {
   const json& animations = Member(file, "animations");
@@ -469,7 +469,7 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   if (work.exceeded()) return work.Refusal();
   const auto tracks = FindTracks(file.value(), chunks.value().data, moving);
   if (!tracks.ok()) return tracks.status();
-  // Freed, so that they are not in memory beside the frames.
+  // Freed, so that they are not in memory together with the frames.
   file.value() = json();
   model.value() = gltf::Model();
   const Sampler sampler(nodes.value(), bones.value(), moving, tracks.value(), bytes.size());

@@ -302,7 +302,7 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
                          "config, or name another dialect of " +
                          KnownDialects());
   }
-  // A known name whose rest pose was another is named by what was taken.
+  // A known name with another rest pose is reported under the dialect that was used.
   const bool as_named = row != nullptr && row->rest == rest;
   if (used != nullptr) *used = as_named ? name : NameOf(rest);
   return Binding::Make(

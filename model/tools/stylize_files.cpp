@@ -150,7 +150,7 @@ Status Guard::Check(const std::string& file) const {
     return Status::Error(file + ": cannot be looked at: " + error.message());
   }
   if (type != fs::file_type::not_found && type != fs::file_type::regular) {
-    return Status::Error(file + ": is no ordinary file, expected one to write");
+    return Status::Error(file + ": is not an ordinary file, expected one to write");
   }
   if (overwrite_) return Status::Ok();
   return Status::Error(file + ": exists, expected a new file; --overwrite replaces it");

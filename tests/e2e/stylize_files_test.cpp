@@ -214,7 +214,7 @@ TEST_F(StylizeFiles, ALinkToAnotherFileKeepsItsPlace) {
   EXPECT_THAT(ReadText(folder_ / "target.bvh"), HasSubstr("MOTION"));
   fs::create_directory(folder_ / "folder.bvh");
   EXPECT_EQ(Stylize("--overwrite -s bent " + in_ + "/a.bvh " + (folder_ / "folder.bvh")), 1);
-  EXPECT_THAT(said_, HasSubstr("is no ordinary file"));
+  EXPECT_THAT(said_, HasSubstr("is not an ordinary file"));
   fs::create_symlink("loop.bvh", folder_ / "loop.bvh");
   EXPECT_EQ(Stylize("--overwrite -s bent " + in_ + "/a.bvh " + (folder_ / "loop.bvh")), 1);
   EXPECT_THAT(said_, HasSubstr("loop.bvh: cannot be looked at"));

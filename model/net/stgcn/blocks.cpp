@@ -68,7 +68,7 @@ Affine Normalization(const RowKernels& kernels, const float* x, int frames, int 
 }
 constexpr std::array<float, 1> kEqualWeights{1};
 
-// After the normalization a scale and a shift of its own.
+// The scale and shift of the normalization itself.
 void Follow(std::span<const float> scale, std::span<const float> shift, Affine& affine) {
   for (std::size_t c = 0; c < scale.size(); ++c) {
     affine.scale[c] *= scale[c];

@@ -11,7 +11,7 @@
 #include "model/net/stgcn/time_conv.h"
 
 // The blocks of the networks of whole clips (equations: FORMAT.md), as generator and style encoder
-// have them. A block is immutable; what it needs while it runs lies in a thread's scratch. Included
+// have them. A block is immutable; its intermediate results are in a thread's scratch. Included
 // only by sources of this folder. Pinned by tests/unit/net/stgcn/network_test.cpp.
 namespace styled::stgcn {
 

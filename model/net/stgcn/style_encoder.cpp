@@ -12,7 +12,7 @@ using net::RowTerm;
 using net::TensorReader;
 
 constexpr float kLeak = 0.2F;  // of the leaky ReLU, also in net::RowKernels::activate
-// Windows of a reference that share one reading of the style encoder's largest matrix (21 MB).
+// Windows of a reference that share one pass over the style encoder's largest matrix (21 MB).
 constexpr int kWindowsTogether = 8;
 
 // The convolution over 16 frames of 5 nodes as one matrix; the trunk's floats are in the order

@@ -15,7 +15,7 @@ namespace {
 
 using net::Prediction;
 
-// What the generator makes of some frames.
+// The generator's result for some frames.
 struct Output {
   std::vector<Features> own, styled;
 };
@@ -39,7 +39,7 @@ class StgcnStream final : public net::ClipStream {
     if (extent_ == net::Extent::kByLength && frames_.size() > kLongestWhole) {
       extent_ = net::Extent::kWindows;
     }
-    // One frame more than the window: the next one then has frames of its own to end with.
+    // One frame more than the window, so that the next window has frames of its own to end with.
     while (extent_ == net::Extent::kWindows && frames_.size() > kWindow) RunWindow(kWindow, kHop);
   }
 
@@ -56,7 +56,7 @@ class StgcnStream final : public net::ClipStream {
   }
 
  private:
-  // Styles the first `count` frames that are left, and finishes with the first `finished` of them.
+  // Styles the first `count` remaining frames, and finishes the first `finished` of them.
   void RunWindow(std::size_t count, std::size_t finished) {
     std::span<const Features> clip(frames_.data(), count);
     std::vector<Features> filled;
@@ -99,8 +99,8 @@ class StgcnStream final : public net::ClipStream {
   net::Extent extent_;
   HeadingState heading_;
   std::vector<Features> frames_;     // not finished
-  std::vector<float> headings_rad_;  // theirs
-  Output last_;                      // of the first frames_, from the window before
+  std::vector<float> headings_rad_;  // the results of these frames
+  Output last_;                      // results of the first frames_, from the window before
   std::deque<Prediction> done_;
   Network::Content content_;
   Scratch scratch_;

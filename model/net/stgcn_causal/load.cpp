@@ -108,7 +108,7 @@ class BlockReader {
   Layout& layout_;
 };
 
-// Places for what a step computes, as large as the largest that lies there.
+// Places for a step's intermediate results, each as large as the largest result that uses it.
 class ScratchSizes {
  public:
   void Add(const EncoderBlock& block) {
