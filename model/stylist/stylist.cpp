@@ -28,7 +28,7 @@ using body::kJointCount;
 using body::Pose;
 using body::Vec3;
 
-// Publishes the performer's own motion, bit for bit, in the place that strides have reached.
+// Publishes the performer's own motion, bit for bit, at the offset that strides have reached.
 void PassThrough(const rig::Binding& binding, Output& out) noexcept {
   out.canonical = out.canonical_input;
   std::copy(out.source.translations.begin(), out.source.translations.end(),
@@ -80,7 +80,7 @@ struct Stylist::Impl {
   void MoveOn(Output& out) noexcept;
   void GiveBack(Output& out) noexcept;
   bool Bypassed() const noexcept;
-  // Null where the performer's neutral is not taken out.
+  // Null if the performer's neutral is not removed.
   const neutral::Reference* Reference() const noexcept {
     const auto& reference = predictor.network()->model().reference;
     return options.neutral && reference ? &*reference : nullptr;
@@ -234,7 +234,7 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   TakeOutNeutral(out.canonical_input);
 }
 
-// What a performer does in another style tells nothing of their neutral.
+// A performer's motion in another style tells nothing about their neutral.
 void Stylist::Impl::TakeOutNeutral(const Pose& input) noexcept {
   const neutral::Reference* const reference = Reference();
   if (reference == nullptr) {
@@ -245,7 +245,7 @@ void Stylist::Impl::TakeOutNeutral(const Pose& input) noexcept {
   neutral.TakeOut(input, seen);
 }
 
-// The way over the floor is scaled as far as the style is shown, and only where legs show it.
+// The path over the floor is scaled as far as the style is shown, and only if legs show it.
 void Stylist::Impl::MoveOn(Output& out) noexcept {
   const float shown =
       domain.weight() * std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));
@@ -270,8 +270,8 @@ void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
     rig_feet.Reset();
     fresh_session = true;
   }
-  // A hole longer than gap_reset_s is never bridged, even if every hole is as long: a sender whose
-  // clock steps by minutes would have every tick between run in one frame.
+  // A hole longer than gap_reset_s is never bridged, even if every hole is as long: otherwise a
+  // sender whose clock steps by minutes would have every tick between run in one frame.
   const double usual_s = predictor.frame_period_s();
   if (started && dt_s > options.gap_reset_s) {
     // A slow rig's frames are all that far apart: only a hole longer than the last one conceals
@@ -376,8 +376,8 @@ void Stylist::Impl::Unbind(Output& out) noexcept {
 }
 
 // With a weight of 0, the feet stages only track the performer's contacts. Feet are held only if a
-// style moves them: one of the torso or of a leg. Not scaled by the gate: a limb that fades to its
-// own motion takes its offset along, and to let go of the foot as well made kicks jerk.
+// style moves them: one of the torso or of a leg. The weight is not scaled by the gate: a limb that
+// fades to its own motion takes its offset along, and releasing the foot as well made kicks jerk.
 void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kSwitchEvery_s = 4.0;
 constexpr double kSwitching_s = 60;  // of each content
 
-// Network styles, and which of the manifest's they are.
+// Network styles, and the corresponding ones of the manifest.
 struct Present {
   std::vector<int> of_manifest, of_network;
 };

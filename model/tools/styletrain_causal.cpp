@@ -18,10 +18,10 @@ void AddDataFlags(CLI::App& app, st_gcn_causal::Config& config) {
   app.add_option("--mirror", config.mirror, "1: half of the windows are mirror images")
       ->capture_default_str();
   app.add_option("--neutral", config.neutral,
-                 "Share of the sources that is neutral, beyond those by chance")
+                 "Share of the sources that is neutral, in addition to random ones")
       ->capture_default_str();
   app.add_option("--unpaired", config.unpaired,
-                 "Share of sources of any content, recorded in their target style or not")
+                 "Share of sources of any content, whether or not recorded in their target style")
       ->capture_default_str();
   app.add_option("--varied", config.varied, "Share of targets of a strength from 0 to 1.5, not 1")
       ->capture_default_str();
@@ -60,13 +60,13 @@ void AddLearningFlags(CLI::App& app, st_gcn_causal::Config& config) {
       ->capture_default_str();
   app.option_defaults()->group("Losses");
   app.add_option("--w-velocity", config.w_velocity,
-                 "Of differences from frame to frame, beside 1 of the features")
+                 "Weight of differences from frame to frame, relative to 1 for the features")
       ->capture_default_str();
   app.add_option("--w-first", config.w_first,
-                 "Of the first 8 frames of a window, beside 1 of the others")
+                 "Weight of the first 8 frames of a window, relative to 1 for the others")
       ->capture_default_str();
   app.add_option("--w-smooth", config.w_smooth,
-                 "Of the squared second difference of the change of style")
+                 "Weight of the squared second difference of the change of style")
       ->capture_default_str();
 }
 
@@ -78,7 +78,7 @@ class StGcnCausalFlags : public FamilyFlags {
   }
 
   Status Resolve(const CLI::App& app) override {
-    // Neither an export nor a measurement of speeds learns from anything.
+    // Neither an export nor a measurement of speeds trains anything.
     const bool trains = app.get_option("--out")->count() > 0;
     return trains ? st_gcn_causal::Check(config_) : Status::Ok();
   }

@@ -49,8 +49,9 @@ void AddDataFlags(CLI::App& app, style_erd::Config& config) {
   app.add_option("--session-start", config.session_start,
                  "Share of the others that begin as a new session, without a past")
       ->capture_default_str();
-  app.add_option("--unpaired", config.unpaired,
-                 "Share of neutral windows of any content, recorded in their target style or not")
+  app.add_option(
+         "--unpaired", config.unpaired,
+         "Share of neutral windows of any content, whether or not recorded in their target style")
       ->capture_default_str();
   app.add_option("--offset", config.offset,
                  "Constant disturbance of a window's features, in deviations of each")
@@ -103,7 +104,7 @@ void AddLossFlags(CLI::App& app, style_erd::Config& config) {
                  "Weight of the reconstruction's rotations: eq. 2, summed over joints and frames")
       ->capture_default_str();
   app.add_option("--w-position", config.w_position,
-                 "Of the positions that follow: mean squared distance, m2 (eq. 3)")
+                 "Weight of the positions that follow:  mean squared distance, m2 (eq. 3)")
       ->capture_default_str();
   app.add_option("--w-velocity", config.w_velocity,
                  "Of the head of velocities: mean square, standardized")
@@ -177,7 +178,7 @@ CLI::App* AddAddStyle(CLI::App& app, style_erd::Config& config) {
                   "The new style, as the manifest names it; repeatable")
       ->required();
   add->add_flag("--replace", config.replace,
-                "NAME may be a style of WEIGHTS: it is learned anew, from where it is");
+                "NAME may be a style of WEIGHTS: its training continues");
   return add;
 }
 
@@ -223,7 +224,7 @@ class StyleErdFlags : public FamilyFlags {
     Needs needs;
     needs.rate_hz = config_.rate_hz;
     needs.train_frames = needs.window_frames = config_.window + 1;
-    // Only a critic compares windows of a content.
+    // Only a critic compares windows of one content.
     needs.paired = config_.w_adversarial > 0;
     if (!config_.init.empty()) needs.files.emplace_back("--init", config_.init);
     for (const std::string& text : config_.teachers) {

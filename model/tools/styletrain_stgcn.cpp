@@ -29,7 +29,7 @@ void AddDataFlags(CLI::App& app, st_gcn::Config& config) {
                  "1: the critic also says whether the content is the source's")
       ->capture_default_str();
   app.add_option("--scaled-heads", config.scaled_heads,
-                 "1: smaller outputs at first, else the critic wins at once")
+                 "1: smaller outputs at first; otherwise the critic wins at once")
       ->capture_default_str();
   app.add_option("--precision", config.precision, "Of activations; auto: bf16 where it is fast")
       ->check(CLI::IsMember({"auto", "fp32", "bf16"}))
@@ -124,7 +124,7 @@ class StGcnFlags : public FamilyFlags {
     // A callback at once: flags after this one on the command line change its settings.
     app.add_flag_callback(
            "--as-in-the-paper", [this] { st_gcn::AsInThePaper(config_); },
-           "Settings of Park et al. 2021 and their code; other flags still count")
+           "Settings of Park et al. 2021 and their code; other flags still apply")
         ->trigger_on_parse();
     AddDataFlags(app, config_);
     AddOptimizerFlags(app, config_);

@@ -117,7 +117,7 @@ class Run {
   }
 
  private:
-  // Which outputs there will be. Nothing is read yet.
+  // Plans the outputs. No file is read yet.
   Status Plan() {
     std::vector<std::string> named = arguments_.files;
     std::string out = arguments_.out;
@@ -173,7 +173,7 @@ class Run {
     return Status::Ok();
   }
 
-  // What the command line alone says.
+  // Checks that need only the command line.
   Status CheckArguments() {
     auto joints = stylize::ParseJoints(arguments_);
     if (!joints.ok()) return joints.status();
@@ -181,7 +181,7 @@ class Run {
     return stylize::CheckExampleWeights(arguments_);
   }
 
-  // What all outputs need, each file once: avatar, weights, examples.
+  // Reads what all outputs need, each file once: avatar, weights, examples.
   Status ReadFiles() {
     for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
     if (!arguments_.avatar.empty()) {
@@ -220,7 +220,7 @@ class Run {
     return Status::Ok();
   }
 
-  // What the command line asks of these weights, for each style.
+  // Applies the command line to these weights, for each style.
   Status MakeRestylers() {
     if (arguments_.bind_only) return Status::Ok();
     for (const std::string& style : styles_) {
@@ -379,7 +379,7 @@ class Run {
 #endif
   }
 
-  // Says what came of an output.
+  // Reports the result of an output.
   void Tell(const Outcome& outcome) {
     progress_->Clear();
     if (!outcome.error.empty()) {

@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kAlignment = 8;  // bytes; the data begin at a multiple of it
 
-// What stands before the data: each tensor's type, shape and place, padded with spaces.
+// The header before the data: each tensor's type, shape and place, padded with spaces.
 std::string Header(const NamedTensors& tensors, const std::string& metadata) {
   Json header;
   header["__metadata__"] = {{"styled", metadata}};

@@ -300,7 +300,7 @@ TEST_F(StylizeFiles, APreviewIsAPictureOrAFilm) {
   EXPECT_EQ(std::stoul(ReadText(folder_ / "film.mp4")), 30UL * 640 * 400 * 3);
   WriteText(folder_ / "bin/ffmpeg", "#!/bin/sh\nexit 1\n");
   EXPECT_EQ(film(folder_ / "bin:/bin:/usr/bin"), 1);
-  EXPECT_THAT(said_, HasSubstr("film.mp4: ffmpeg has not written it"));
+  EXPECT_THAT(said_, HasSubstr("film.mp4: ffmpeg did not write it"));
 }
 
 }  // namespace

@@ -301,7 +301,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--mix", "zombie=0.2"}, "--mix: unknown style 'zombie'");
   refuses({"--from", "zombie", "--style", "style1"}, "--input-style: unknown style 'zombie'");
   refuses({"--style", "style1=x"},
-          "--style: 'style1=x': expected behind '=' a weight from 0 to 1.5");
+          "--style: 'style1=x': expected after '=' a weight from 0 to 1.5");
   refuses({"--style", "style1=nan"}, "--style: 'style1=nan': expected behind '=' a weight");
   refuses({"--style", "style1", "--mix", "s1=0.1"}, "a style is named twice");
   refuses({"--style", "style1=1", "--like", in + "=0.7", "--strength", "0.5"},
@@ -315,7 +315,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--vary", "3"}, "--vary: expected --style or --mix, found none");
   refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected behind '=' a weight");
   refuses({"--like", in + "=2"},
-          "--like: '" + in + "=2': expected behind '=' a weight from 0 to 1.5");
+          "--like: '" + in + "=2': expected after '=' a weight from 0 to 1.5");
   refuses({"--like", folder_ / "none.bvh"}, "--like: " + std::string(folder_ / "none.bvh"));
   refuses({"--style", "style1", "--parts", "tail"}, "--parts tail: expected");
   refuses({"--style", "style1", "--window", "huge"}, "--window");

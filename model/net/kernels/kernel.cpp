@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/net/kernels/kernel.cpp"
 #include <hwy/cache_control.h>
-#include <hwy/foreach_target.h>  // before highway.h: it says for which target that is
+#include <hwy/foreach_target.h>  // must precede highway.h
 #include <hwy/highway.h>
 
 // Forces a Highway vector into a register from here on.

@@ -76,7 +76,8 @@ class PastNorm {
 
   // The statistics of a stream without frames, which count as `start_frames`.
   STYLED_REALTIME void Start(float start_frames, float* memory) const noexcept;
-  // Takes in x, [nodes, C], and writes x̂'s scale and shift, C numbers each. `scratch`: 2 C floats.
+  // Accumulates x, [nodes, C], and writes x̂'s scale and shift, C numbers each. `scratch`: 2 C
+  // floats.
   STYLED_REALTIME void Advance(const net::RowKernels& kernels, const float* x, int copy,
                                const Forgetting& past, float* memory, float* scale, float* shift,
                                float* scratch) const noexcept;

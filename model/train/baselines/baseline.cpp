@@ -29,7 +29,7 @@ Tensor ToTensor(std::span<const float> values) {
 
 }  // namespace
 
-// Collects the clip, styles it at its end.
+// Collects the clip, and styles it at its end.
 class BaselineStream final : public net::ClipStream {
  public:
   BaselineStream(const Baseline& baseline, const Features& mean, const Features& deviation,

@@ -10,8 +10,8 @@
 
 namespace styled::judge {
 
-// How a body walks or runs, as pure functions of poses (metres, y up, constant rate). Pinned by
-// tests/unit/judge/judge_gait_test.cpp.
+// The gait of a body that walks or runs, as pure functions of poses (metres, y up, constant rate).
+// Pinned by tests/unit/judge/judge_gait_test.cpp.
 
 // One clip's figure each; a mean over clips after Add. A figure without a count was not measured.
 // A step is the time between two moments at which one foot passes the other, along the heading.

@@ -12,10 +12,10 @@
 
 namespace styled::judge {
 
-// How each style of training clips carries trunk, head and collars (net::Posture), by the clips'
-// style: the mean of a joint over all frames of a content of one source in the style, and their
-// mirror images, against that of the same content in neutral; the mean over the contents that both
-// have. Nothing for neutral, and for a style without such a content. Pinned by
+// The carriage of trunk, head and collars in each style of training clips (net::Posture): the mean
+// of a joint over all frames of a content of one source in the style, and their mirror images,
+// compared with that of the same content in neutral; the mean over the contents that both have.
+// Empty for neutral, and for a style without such a content. Pinned by
 // tests/unit/judge/judge_posture_test.cpp.
 std::vector<std::optional<net::Posture>> MeasurePostures(std::span<const train::TrainingClip> clips,
                                                          std::size_t style_count);

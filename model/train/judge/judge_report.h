@@ -25,8 +25,8 @@ struct Transferred {
 
 inline constexpr Expression kNoExpression{kNotMeasured, kNotMeasured};
 
-// Every figure for one target style, averaged over contents with equal weights. NaN where it was
-// not measured (judge_text.h).
+// Every figure for one target style, averaged over contents with equal weights. NaN if it was not
+// measured (judge_text.h).
 struct StyleFigures {
   Share sra, cra;
   Share sra_real;   // the style judge on real clips of the target

@@ -32,7 +32,7 @@ Status Check(const Config& config) {
   for (const auto& [flag, value] : shares) {
     if (!(value >= 0 && value <= 1)) return refuse(flag, value, "a number from 0 to 1");
   }
-  constexpr double kMostLead_s = 0.5;  // the student sees nothing of what comes
+  constexpr double kMostLead_s = 0.5;  // the student sees no future frames
   if (!(config.lead_s >= 0 && config.lead_s <= kMostLead_s)) {
     return refuse("--lead", config.lead_s, "seconds from 0 to 0.5");
   }

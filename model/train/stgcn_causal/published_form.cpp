@@ -22,7 +22,7 @@ Tensor Multiply(const Tensor& a, const Tensor& b) {  // x, y, z, w
   return torch::cat({s * v + t * u + torch::cross(u, v, -1), s * t - (u * v).sum(-1, true)}, -1);
 }
 
-// The pose that a change of style is measured from; half-way, the normalized mean is the slerp.
+// The pose from which a change of style is measured; half-way, the normalized mean is the slerp.
 static_assert(stgcn_causal::kTowardInput == 0.5F);
 Tensor HalfWay(const Tensor& a, const Tensor& b) {
   const Tensor nearer = torch::where((a * b).sum(-1, true) < 0, -b, b);
@@ -30,7 +30,7 @@ Tensor HalfWay(const Tensor& a, const Tensor& b) {
       a + nearer, torch::nn::functional::NormalizeFuncOptions().dim(-1).eps(1e-6));
 }
 
-// What lies `frames` later in [B, T, ...], between two frames by both; the last frame stays.
+// The values `frames` later in [B, T, ...], interpolated between two frames; the last frame stays.
 Tensor AtLater(const Tensor& sequence, double frames) {
   const int64_t last = sequence.size(1) - 1;
   const auto whole = static_cast<int64_t>(std::floor(frames));

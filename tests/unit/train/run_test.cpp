@@ -280,7 +280,7 @@ TEST_F(AddedStyle, LearnsAndTheOthersStayBitForBit) {
   config.resume = false;
   config.init = file;
   EXPECT_THAT(Train(config).message(),
-              testing::HasSubstr("already has a style \"new\"; --replace learns it anew"));
+              testing::HasSubstr("already has a style \"new\"; --replace trains it again"));
   config.manifest = root_ / "manifest.toml";
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("found \"neutral\" \"odd\", expected"));
   config.init.clear();
