@@ -143,7 +143,7 @@ struct Subscriber::Impl {
   SubscriberCounters counters;
   std::map<std::string, StreamState, std::less<>> streams;  // by topic
   std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
-  std::string bundled_topic;  // of a frame of a bundle: where it would be alone
+  std::string bundled_topic;  // of a bundle's frame: its topic outside the bundle
   std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
   std::string last_topic;                                  // of the last accepted frame
   std::int64_t lag_ns = 0;                                 // of the last accepted frame
@@ -272,7 +272,7 @@ bool Subscriber::Impl::Accept(Update& out) {
       ++counters.malformed;
       return false;
     }
-    // Of two daemons that stand in for each other the leader's count.
+    // For a pair with a standby, the leader's count.
     if (options.endpoints.size() > 1 && out.statistics.standby().role() == "following") {
       return false;
     }
@@ -344,7 +344,7 @@ bool Subscriber::Impl::AcceptFrame(const Origin& origin, std::string_view name, 
   return AcceptParsed(origin, name, out);
 }
 
-// As the frame would be accepted on its own topic.
+// As if the frame had arrived on its own topic.
 bool Subscriber::Impl::AcceptBundled(Update& out) {
   const v1::Frame& frame = out.frame;
   out.frame.Swap(frames.mutable_frames(next_frame++));

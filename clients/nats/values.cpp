@@ -50,16 +50,18 @@ bool Values::Fail(natsStatus status) {
   std::string what =
       "the bucket '" + std::string(kBucket) + "' cannot be read: " + natsStatus_GetText(status);
   if (detail != nullptr && *detail != '\0') what += std::string(" (") + detail + ")";
-  // The broker drops a request that its user has no permission for: it looks like no answer.
+  // The broker silently drops a request for which its user has no permission, so this looks like a
+  // missing answer.
   const char* refused = nullptr;
   natsConnection_GetLastError(link_.get(), &refused);
-  if (refused != nullptr && *refused != '\0') what += std::string("; the broker says: ") + refused;
+  if (refused != nullptr && *refused != '\0')
+    what += std::string("; the broker reports: ") + refused;
   if (!domain_.empty() && (status == NATS_TIMEOUT || status == NATS_NO_RESPONDERS)) {
     what += "; expected a JetStream domain \"" + domain_ +
-            "\" that this user may ask, or no --domain: viewers of the shipped configurations ask "
+            "\" that this user may use, or no --domain: viewers of the shipped configurations use "
             "their own account's";
   }
-  what += "; without it frames have no bodies, and it is tried again";
+  what += "; without it frames have no bodies, and it is retried";
   const std::scoped_lock lock(mutex_);
   if (what != last_error_) error_ = last_error_ = what;
   return false;
@@ -107,7 +109,7 @@ bool Values::ReadAll(std::uint64_t& next) {
   return true;
 }
 
-// Asks for all at once, so that a way of 50 ms is gone twice and not for each.
+// Sends all requests at once, so that a latency of 50 ms occurs twice and not for each.
 bool Values::Get(const std::vector<std::string>& subjects) {
   const std::string inbox = link_.NewInbox();
   natsSubscription* raw = nullptr;
@@ -127,7 +129,7 @@ bool Values::Get(const std::vector<std::string>& subjects) {
   return status == NATS_OK || Fail(status);
 }
 
-// Asks for changes until it is time to read all again. False: that failed.
+// Requests changes until it is time to read everything again. False: a request failed.
 bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
   const std::uint64_t generation = link_.generation();
   const auto end = Clock::now() + std::chrono::seconds(kAgain_s);
@@ -149,7 +151,7 @@ bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
   return true;
 }
 
-// Reports a value, or its removal. Returns its sequence number in the stream; 0: no value came.
+// Reports a value, or its removal. Returns its sequence number in the stream; 0: no value arrived.
 std::uint64_t Values::Take(natsMsg* message) {
   const std::string_view subject = Header(message, "Nats-Subject");
   const std::string_view number = Header(message, "Nats-Sequence");

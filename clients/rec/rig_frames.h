@@ -16,11 +16,11 @@
 
 namespace styled::rec {
 
-// Reconstructs a rig's datagrams (proto/styled/v1/WIRE.md) from what the daemon published about it
-// on body/ and source/. With it, a recording of a publisher can be played into a daemon. Source
-// times, poses and bodies are the rig's, and a joint that the daemon held is sent as unknown again.
-// The styled output is therefore bit-identical to the recorded one. The exception is a jump of
-// metres that the daemon held: only a recording of arrivals contains what was sent. One thread;
+// Reconstructs a rig's datagrams (proto/styled/v1/WIRE.md) from the daemon's messages about it on
+// body/ and source/. With it, a recording of a publisher can be played into a daemon. Source times,
+// poses and bodies are the rig's, and a joint that the daemon held is sent as unknown again. The
+// styled output is therefore bit-identical to the recorded one. The exception is a jump of metres
+// that the daemon held: only a recording of arrivals contains the original data. One thread;
 // allocates.
 class RigFrames {
  public:

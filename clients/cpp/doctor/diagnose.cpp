@@ -78,11 +78,11 @@ void Examination::Daemon() {
     if (!daemon.remote) return;
     return Report(Severity::kNote, Step::kDaemon, nullptr, "remote_daemon",
                   "The daemon at " + daemon.endpoint + " is on another machine.",
-                  "Only what it counts can be seen from here, not its ports.",
+                  "Only its counters can be read from here, not its ports.",
                   "Run stylectl doctor on that machine to see more.");
   }
   if (daemon.state == DaemonFacts::State::kGarbled) {
-    return say("not_a_daemon", "What answers at " + daemon.endpoint + " is no styled daemon.",
+    return say("not_a_daemon", "The program at " + daemon.endpoint + " is not a styled daemon.",
                daemon.holder ? "The port is held by " + Holder(*daemon.holder) + "." : "",
                "Give the daemon's control address with --endpoint; it stands in styled.toml "
                "under [control] address.");
@@ -98,7 +98,7 @@ void Examination::Daemon() {
                "A styled daemon runs, but its control socket is not at " + daemon.endpoint + ".",
                Holder(daemon.elsewhere.front()) + " listens on TCP " + places + ".",
                "Ask there: stylectl --endpoint tcp://HOST:PORT doctor, or set STYLED_CONTROL. "
-               "Which of them it is stands in styled.toml under [control] address.");
+               "The address is in styled.toml under [control] address.");
   }
   if (daemon.holder) {
     return say("control_taken", "No styled daemon answers at " + daemon.endpoint + ".",
@@ -108,8 +108,7 @@ void Examination::Daemon() {
   }
   say("no_daemon", "No styled daemon answers at " + daemon.endpoint + ".",
       "No program named styled listens on this machine.",
-      "Start it: styled --config styled.toml (as a service: systemctl start styled). If it does "
-      "not "
+      "Start it: styled --config styled.toml (as a service: systemctl start styled). If it does not "
       "stay up, its log says why.");
 }
 
@@ -127,7 +126,7 @@ void Examination::Source(const SourceFacts& source) {
   if (source.in_daemon && !is_part) Frames(source, evidence);
 }
 
-// Reports a source of which the daemon receives nothing, whatever the previous steps found. Not if
+// Reports a source from which the daemon receives nothing, whatever the previous steps found. Not if
 // another source of the same name receives, or if a problem of that name is already reported.
 void Examination::Silent() {
   for (const SourceFacts& source : facts_.sources) {
@@ -184,8 +183,8 @@ void Examination::Unclaimed() {
   }
 }
 
-// What a source of that format needs besides, because it has no body: the performer who gets the
-// face.
+// The keys that a source of that format needs in addition, because it has no body: the performer
+// who gets the face.
 std::string Examination::MergeInto(Format format) const {
   if (!Row(format).face_only) return "";
   const auto& performers = facts_.daemon.after.stats().performers();
@@ -207,16 +206,17 @@ void Examination::Losses() {
   warn("pipeline.lost", "lost_on_the_way",
        "datagrams were lost between the rig and the daemon" + Losers() + ".",
        "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
-  warn("pipeline.backlog_dropped", "too_slow", "frames came too late and were passed over.",
-       "The machine does not keep up: end other programs, set realtime.priority = 20.");
+  warn("pipeline.backlog_dropped", "too_slow", "frames were too late and were skipped.",
+       "The machine is overloaded: end other programs, set realtime.priority = 20.");
   warn("source.takeovers_refused", "takeover_refused",
        "greetings for a live tracker were refused: they came from another address.",
        "Two trackers have one MAC, or another sender imitates one: the daemon's log names both "
        "addresses.");
-  warn("source.table_full", "too_many_trackers",
-       "greetings of trackers were refused: there is no room for more.",
-       "Name yours in the source's trackers: those have a place kept. The daemon's log names one "
-       "that was refused.");
+  warn(
+      "source.table_full", "too_many_trackers",
+      "greetings of trackers were refused: there is no room for more.",
+      "Name yours in the source's trackers: those have reserved places. The daemon's log names one "
+      "that was refused.");
   warn("source.tcp_refused", "too_many_connections",
        "connections were refused: all max_connections are sending.",
        "Raise max_connections, or stop senders that are not needed.");
@@ -272,8 +272,8 @@ void Examination::KernelDrops() {
   const auto say = [this](const SourceFacts* source, std::uint64_t count) {
     const std::string whose = source == nullptr ? "a source" : Label(*source);
     Report(Severity::kWarning, Step::kFrames, source, "kernel_drops",
-           "The kernel threw " + std::to_string(count) + " datagrams for " + whose +
-               " away: the receive buffer was full.",
+           "The kernel dropped " + std::to_string(count) + " datagrams for " + whose +
+               ": the receive buffer was full.",
            source == nullptr ? "source.kernel_dropped grew while we listened."
                              : "Its socket's drops grew while we listened.",
            "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit: "
@@ -290,7 +290,7 @@ void Examination::KernelDrops() {
   if (!said && counted > 0) say(nullptr, counted);
 }
 
-// The last step: who receives what the daemon publishes, and whether a style is set.
+// The last step: who receives the daemon's messages, and whether a style is set.
 void Examination::Listeners() {
   if (!facts_.daemon_answers()) return;
   const v1::Stats& stats = facts_.daemon.after.stats();
@@ -303,13 +303,13 @@ void Examination::Listeners() {
   if (live == 0) return;
   if (ValueOf(facts_.daemon.after, "publish.subscriptions") == 0) {
     Report(Severity::kNote, Step::kSubscribers, nullptr, "no_subscriber",
-           "Nobody has subscribed to what the daemon publishes.", "publish.subscriptions is 0.",
-           "Start a client (stylemon shows what comes); give it the address under [publish]. From "
+           "No client has subscribed to the daemon.", "publish.subscriptions is 0.",
+           "Start a client (stylemon shows the frames); give it the address under [publish]. From "
            "another machine that address must not be loopback.");
   }
   if (bypassed == live) {
     Report(Severity::kNote, Step::kFrames, nullptr, "bypass",
-           "Every performer is in bypass: the motion goes out as it came in.", "",
+           "Every performer is in bypass: the motion is published unchanged.", "",
            "Set a style: stylectl set '*' --style NAME (stylectl list shows them).");
   }
 }

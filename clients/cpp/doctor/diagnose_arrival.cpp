@@ -26,11 +26,12 @@ bool Examination::Port(const SourceFacts& source) {
   const bool here = IsWildcard(host) || FindInterface(facts_.interfaces, host) != nullptr ||
                     IsLoopback(host) || facts_.daemon.remote || Row(wanted.format).asks_server;
   if (!here) {
-    return fail("address_not_here",
-                Label(source) + " listens on " + host + ", which is no address of this machine.",
-                "It has " + OwnAddresses() + ".",
-                "Set listen = \"0.0.0.0:" + std::to_string(wanted.listen.port) +
-                    "\" (every interface), or one of these addresses.");
+    return fail(
+        "address_not_here",
+        Label(source) + " listens on " + host + ", which is not an address of this machine.",
+        "It has " + OwnAddresses() + ".",
+        "Set listen = \"0.0.0.0:" + std::to_string(wanted.listen.port) +
+            "\" (every interface), or one of these addresses.");
   }
   if (source.in_daemon) return true;
   if (facts_.daemon_answers() && wanted.origin == Wanted::Origin::kConfig) {
@@ -54,8 +55,9 @@ bool Examination::Port(const SourceFacts& source) {
   if (source.port && source.port->kind == PortState::Kind::kRefused) {
     return fail("port_refused", "The system refuses to listen on " + PlaceOf(wanted) + ".",
                 source.port->why + ".",
-                wanted.listen.port < 1024 ? "Ports below 1024 are root's: take another one."
-                                          : "Take another port or address.");
+                wanted.listen.port < 1024
+                    ? "Ports below 1024 are reserved for root: use another one."
+                    : "Use another port or address.");
   }
   return true;
 }
@@ -87,7 +89,7 @@ bool Examination::WrongAddress(const SourceFacts& source) {
                ", but " + Label(source) + " listens on " + PlaceOf(wanted) + " only.",
            std::to_string(flow->datagrams) + " datagrams from " + flow->from.host +
                (flow->interface.empty() ? "" : " by " + flow->interface) + "." +
-               (loopback ? " A loopback address hears programs on this machine alone." : ""),
+               (loopback ? " A loopback address only receives from programs on this machine." : ""),
            "Set listen = \"0.0.0.0:" + std::to_string(wanted.listen.port) + "\" for " +
                source.wanted.name + " and restart the daemon.");
     return true;
@@ -140,13 +142,11 @@ bool Examination::Filtered(const SourceFacts& source, std::uint16_t at) {
     why = std::to_string(seen->datagrams) + " datagrams from " + seen->from.host + " came to " +
           seen->interface + ", and none of them to a program. ";
   }
-  why += dropped
-             ? "Rule: " + source.firewall.rule + "."
-             : "No rule is known that drops them; the kernel's reverse path filter does so, too "
-               "(sysctl net.ipv4.conf.all.rp_filter).";
+  why += dropped ? "Rule: " + source.firewall.rule + "."
+                 : "No known rule drops them; the kernel's reverse path filter may, too "
+                   "(sysctl net.ipv4.conf.all.rp_filter).";
   Report(Severity::kProblem, Step::kArrival, &source, "firewall_drops",
-         "This machine's firewall drops what is sent to its port " + port + "/" + protocol + ".",
-         why,
+         "This machine's firewall drops datagrams to its port " + port + "/" + protocol + ".", why,
          "Open the port: ufw allow " + port + "/" + protocol +
              ", or firewall-cmd --add-port=" + port + "/" + protocol +
              ", or nft insert rule inet filter input " + protocol + " dport " + port + " accept.");
@@ -155,7 +155,7 @@ bool Examination::Filtered(const SourceFacts& source, std::uint16_t at) {
 
 void Examination::Nothing(const SourceFacts& source) {
   const Wanted& wanted = source.wanted;
-  // Unclaimed() reports once what arrives instead.
+  // Unclaimed() reports once which data arrives instead.
   if (wanted.origin == Wanted::Origin::kAssumed && !Flows().empty()) return;
   // Among sources that share a name, one that receives is enough; so only one is reported as
   // silent.
@@ -166,13 +166,14 @@ void Examination::Nothing(const SourceFacts& source) {
     places += " and " + PlaceOf(other.wanted);
   }
   const bool may_drop = source.firewall.verdict == Firewall::Verdict::kDepends;
-  std::string why = "Nothing came in " + Seconds(facts_.seconds) + ", and no " +
-                    std::string(Row(wanted.format).name) + " on another port that was looked at.";
+  std::string why = "Nothing arrived in " + Seconds(facts_.seconds) + ", and no " +
+                    std::string(Row(wanted.format).name) + " on any other examined port.";
   if (may_drop) why += " The firewall may drop it: " + source.firewall.rule + ".";
   std::string change;
   if (IsLoopback(wanted.listen.host)) {
     change =
-        "Loopback hears programs on this machine alone. If the sender is on another one, set "
+        "Loopback only receives from programs on this machine. If the sender is on another one, "
+        "set "
         "listen = \"0.0.0.0:" +
         std::to_string(wanted.listen.port) +
         "\" and restart the "
@@ -182,9 +183,9 @@ void Examination::Nothing(const SourceFacts& source) {
   change += "The sender must send to " + to + ", port " + std::to_string(wanted.listen.port) +
             (wanted.stream ? " (TCP). " : " (UDP). ") + InTheSender(wanted);
   if (!facts_.firewall.empty() && !IsLoopback(wanted.listen.host)) {
-    change += " The firewall could not be looked at (" + facts_.firewall +
-              "): sudo nft list ruleset shows it; with sudo, doctor looks itself and sees what "
-              "comes to the interfaces.";
+    change += " The firewall could not be examined (" + facts_.firewall +
+              "): sudo nft list ruleset shows it; with sudo, doctor reads it and also sees data "
+              "that arrives at the interfaces.";
   }
   Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
          "Nothing arrives for " + wanted.name + " at " + places + ".", why, change);

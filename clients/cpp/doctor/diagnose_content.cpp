@@ -1,4 +1,4 @@
-// Steps "format" to "frames": what arrives, and how the daemon uses it.
+// Steps "format" to "frames": which data arrives, and how the daemon uses it.
 #include <algorithm>
 #include <array>
 
@@ -38,9 +38,9 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
                           ": " + tally.Kinds(found) + ".";
   if (found == Format::kUnknown) {
     Report(Severity::kProblem, Step::kFormat, &source, "unknown_format",
-           "What arrives for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
+           "The data for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
                ", nor another format that is known here.",
-           why, "Look what the sender is set to send. " + InTheSender(wanted));
+           why, "Check the sender's output settings. " + InTheSender(wanted));
     return false;
   }
   Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
@@ -67,8 +67,8 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
         CountsOf(damaged, own) + " datagrams of " + name + " for " + Label(source) +
             " are damaged.",
         "Refused as: " + tally.Kinds(format, Verdict::kDamaged) + ".",
-        "Something on the way cuts or changes them, or the sender is of another version: look at "
-        "relays and VPNs between, and bring sender and daemon up to date.");
+        "Something on the way truncates or changes them, or the sender has another version: check "
+        "relays and VPNs in between, and update sender and daemon.");
     if (most) return false;
   }
   if (count(Verdict::kPose) + count(Verdict::kCut) > 0) {
@@ -96,7 +96,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
       name + " arrives for " + Label(source) + ", but no poses.",
       "It sends: " + tally.Kinds(format) + ".",
       format == Format::kSlimeVr
-          ? "The trackers do not send rotations: look at their sensors, and whether another server "
+          ? "The trackers do not send rotations: check their sensors, and whether another server "
             "answers them."
           : InTheSender(source.wanted));
   return false;
@@ -110,7 +110,8 @@ void Examination::NoSkeleton(const SourceFacts& source, const std::string& why) 
       "is a program of your own, it must send a Body before its frames (proto/styled/v1/WIRE.md).");
 }
 
-// The daemon holds the port, so that its bytes cannot be read here: judge by the daemon's counters.
+// The daemon holds the port, so that its bytes cannot be read here: this uses the daemon's
+// counters.
 bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& evidence) {
   const std::string name(Row(source.wanted.format).name);
   const bool native = source.wanted.format == Format::kNative;
@@ -127,16 +128,17 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
              "source.bad_reserved", "source.bad_kind", "source.no_session"}) +
       (native ? malformed : 0);
   const std::uint64_t half = (evidence.arrived + 1) / 2;
-  const std::string counted = " (the daemon's count, less what other sources may explain)";
+  const std::string counted =
+      " (the daemon's count, minus the part that other sources may explain)";
   const std::string see = " With sudo, doctor sees the datagrams themselves and names the format.";
   if (foreign >= half || (!native && malformed >= half)) {
     const std::uint64_t not_ours = native ? foreign : malformed;
-    Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
-           "What arrives for " + Label(source) + " at " + PlaceOf(source.wanted) + " is not " +
-               name + ".",
-           CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
-           "Set the type of " + source.wanted.name + " to what the rig sends, or the rig to " +
-               name + "." + see);
+    Report(
+        Severity::kProblem, Step::kFormat, &source, "wrong_format",
+        "The data for " + Label(source) + " at " + PlaceOf(source.wanted) + " is not " + name + ".",
+        CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
+        "Set the type of " + source.wanted.name + " to what the rig sends, or the rig to " + name +
+            "." + see);
     return false;
   }
   if (version >= half) {
@@ -152,7 +154,7 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
   Report(bad >= half ? Severity::kProblem : Severity::kWarning, Step::kFormat, &source, "damaged",
          CountsOf(bad, evidence.arrived) + " datagrams for " + Label(source) + " are damaged.",
          "Refused by the daemon" + counted + "; stylectl status names the reasons.",
-         "Something on the way cuts or changes them: look at relays and VPNs between." + see);
+         "Something on the way truncates or changes them: check relays and VPNs in between." + see);
   return bad < half;
 }
 
@@ -186,14 +188,14 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
       {"source.bad_name", Step::kFrames, "bad_name", "the performer's name is not allowed",
        "Names have 1 to 32 of A-Z a-z 0-9 _ -."},
       {"pipeline.old_time", Step::kFrames, "clock_stands",
-       "the sender's clock does not go on from frame to frame",
+       "the sender's clock does not advance from frame to frame",
        "Restart the sender; if it plays a "
        "recording, let it run."},
       {"source.incomplete", Step::kFrames, "incomplete",
        "frames come in parts, and parts are missing",
        "Datagrams are lost on the way: use a cable, or let the rig send smaller ones. Or the rig "
-       "sends only a part of the body: the daemon's log counts what came of each frame."},
-      {"source.ignored", Step::kVersion, "no_pose", "what arrives says nothing of a pose",
+       "sends only a part of the body: the daemon's log counts the parts of each frame."},
+      {"source.ignored", Step::kVersion, "no_pose", "the data contains no pose",
        "Let the rig send poses, and all its streams to one port."},
   }};
   for (const Cause& cause : kCauses) {
@@ -230,18 +232,20 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
   Report(
       Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
       Label(source) + " receives " + std::string(Row(source.wanted.format).name) +
-          ", but no performer comes of it.",
+          ", but no performer appears.",
       std::to_string(evidence.arrived) + " datagrams arrived in " + Seconds(facts_.seconds) + "." +
           (maybe.empty()
                ? ""
                : " Counters that grew, of this source or of another that receives: " + maybe + "."),
-      trackers ? "Say in the source's trackers where each is worn, and give a full reset in the "
-                 "T-pose; the daemon's log names what is missing."
-      : parts
-          ? "If it sends hands or a face alone: name in the source the performer whose they are, "
-            "merge_into = \"SOURCE.NAME\", and restart the daemon. Else restart the sender: the "
-            "daemon's log names what it waits for."
-          : "The daemon's log names what it waits for; restart the sender.");
+      trackers
+          ? "Assign each tracker to a joint in the source's `trackers`, and do a full reset in the "
+            "T-pose; the daemon's log names what is missing."
+      : parts ? "If it sends only hands or a face: name in the source the performer to whom they "
+                "belong, "
+                "merge_into = \"SOURCE.NAME\", and restart the daemon. Otherwise restart the "
+                "sender: the "
+                "daemon's log names what it waits for."
+              : "The daemon's log names what it waits for; restart the sender.");
 }
 
 }  // namespace styled::doctor

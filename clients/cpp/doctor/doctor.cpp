@@ -107,7 +107,7 @@ class Examiner {
   }
 
   // Chooses the sources: those of the daemon; in addition, or without a daemon, those of the file;
-  // else those of a daemon without configuration. Sources of --listen are added.
+  // otherwise those of a daemon without configuration. Sources of --listen are added.
   Status ChooseSources() {
     for (const auto& info : facts_.daemon.after.sources()) {
       SourceFacts& source =
@@ -166,7 +166,7 @@ class Examiner {
     bool called = false;
     for (SourceFacts& source : facts_.sources) {
       if (source.wanted.format != Format::kNatNet || facts_.daemon.remote) continue;
-      // Only the file says by which interface, and whether by a group.
+      // Only the file states the interface, and whether a group is used.
       if (source.in_daemon && source.wanted.server.empty()) continue;
       auto call = MakeNatNetCall(source.wanted.server, source.natnet.emplace());
       if (call.ok()) {
@@ -193,7 +193,7 @@ class Examiner {
     for (const auto& [group, port] : groups) (void)probe_->Join(group, port);
   }
 
-  // They are asked while we listen.
+  // They are queried while we listen.
   void CallQtmServers() {
     for (SourceFacts& source : facts_.sources) {
       if (source.wanted.format != Format::kQtm || facts_.daemon.remote) continue;
@@ -270,7 +270,7 @@ class Examiner {
           continue;
         }
         source.received = after[i].received() - before[i].received();
-        // The daemon's own count: another machine's sockets cannot be looked at.
+        // The daemon's own count, because another machine's sockets cannot be examined.
         const std::uint64_t drops = after[i].kernel_dropped() - before[i].kernel_dropped();
         source.drops = std::max(source.drops, drops);
       }

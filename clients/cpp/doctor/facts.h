@@ -16,7 +16,7 @@
 #include "clients/cpp/doctor/traffic.h"
 #include "proto/styled/v1/control.pb.h"
 
-// Everything that the examination found, before it is judged.
+// The results of the examination, before their evaluation.
 namespace styled::doctor {
 
 struct DaemonFacts {
@@ -58,8 +58,8 @@ struct Facts {
   std::vector<Interface> interfaces;
   std::vector<Flow> heard;  // on this program's sockets
   std::vector<Flow> seen;   // captured at the interfaces; see `capture`
-  std::string capture;      // "": capturing worked; else why not
-  std::string firewall;     // "": the rules were readable; else why not
+  std::string capture;      // "": capturing worked; otherwise the reason why not
+  std::string firewall;     // "": the rules were readable; otherwise the reason why not
 
   bool daemon_answers() const { return daemon.state == DaemonFacts::State::kAnswers; }
   // Growth of a daemon's counter during listening; 0 without a daemon.

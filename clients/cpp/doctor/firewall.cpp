@@ -317,7 +317,7 @@ Firewall Firewall::FromJson(const std::string& text) {
   Firewall out;
   const json parsed = json::parse(text, nullptr, false);
   if (!parsed.is_object() || !parsed.contains("nftables") || !parsed["nftables"].is_array()) {
-    out.why_ = "what nft says is not understood";
+    out.why_ = "nft's output cannot be parsed";
     return out;
   }
   json rules = json::array();

@@ -116,7 +116,7 @@ Result<std::unique_ptr<Listener>> MakeNatNetCall(const std::string& server,
   sockaddr_storage address;
   const socklen_t size = endpoint ? ToSocket(*endpoint, address) : 0;
   if (size == 0 || address.ss_family != AF_INET) {
-    return Status::Error("server: \"" + server + "\" is no IPv4 address");
+    return Status::Error("server: \"" + server + "\" is not an IPv4 address");
   }
   answers.server = *endpoint;
   Descriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));

@@ -81,7 +81,7 @@ class QtmCall final : public Listener {
     return false;
   }
 
-  // False: what came is not QTM's.
+  // False: the data is not QTM's.
   bool TakePackets() {
     std::size_t begin = 0, size = 0;
     rigs::Cut cut{};
@@ -181,7 +181,7 @@ Result<std::unique_ptr<Listener>> MakeQtmCall(const Endpoint& server, QtmAnswers
   sockaddr_storage address;
   const socklen_t size = ToSocket(server, address);
   if (size == 0 || address.ss_family != AF_INET || server.port == 0) {
-    return Status::Error("server: \"" + ToString(server) + "\" is no IPv4 address");
+    return Status::Error("server: \"" + ToString(server) + "\" is not an IPv4 address");
   }
   answers.server = server;
   return std::unique_ptr<Listener>(std::make_unique<QtmCall>(address, answers));

@@ -17,7 +17,7 @@ Wanted ReadSource(const toml::table& table) {
                           TextOf(table, "type", "udp"), TextOf(table, "listen", ""));
   out.merge_into = TextOf(table, "merge_into", "");
   out.server = TextOf(table, "server", "");
-  // The server that is asked, which is all that matters of such a source.
+  // The queried server, which is all that matters of such a source.
   if (const auto* type = rigs::FindSourceType(out.type);
       type != nullptr && type->rig->asks_server) {
     const bool has_port = out.server.find(':') != std::string::npos;
@@ -59,7 +59,7 @@ Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::str
   if (const auto endpoint = ParseEndpoint(listen)) {
     out.listen = *endpoint;
   } else if (listen.empty() && out.format != Format::kUnknown) {
-    // A client that asks its server uses any port.
+    // A client that connects to its server uses any port.
     const auto& rig = Row(out.format);
     out.listen = {"0.0.0.0", rig.asks_server ? std::uint16_t{0} : rig.ports[0]};
   } else {

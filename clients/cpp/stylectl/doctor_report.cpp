@@ -38,8 +38,8 @@ std::string Conclusion(const std::vector<Finding>& findings) {
   if (!Healthy(findings)) return "";
   const auto warnings = std::ranges::count_if(
       findings, [](const Finding& f) { return f.severity == Severity::kWarning; });
-  if (warnings == 0) return "\nAll is well: frames come in and go through.\n";
-  return "\nFrames come in and go through, but for " + std::to_string(warnings) +
+  if (warnings == 0) return "\nAll is well: frames arrive and are published.\n";
+  return "\nFrames arrive and are published, except for " + std::to_string(warnings) +
          (warnings == 1 ? " warning.\n" : " warnings.\n");
 }
 
@@ -186,13 +186,12 @@ std::string DoctorText(const Facts& facts, const std::vector<Finding>& findings)
   add(TrafficText(facts.heard, "HEARD AT"));
   add(TrafficText(OnlySeen(facts), "SEEN FOR"));
   if (facts.heard.empty() && facts.seen.empty()) {
-    add("Nothing was heard on the ports that were free in " + doctor::Seconds(facts.seconds) +
-        ".\n");
+    add("Nothing arrived on the free ports in " + doctor::Seconds(facts.seconds) + ".\n");
   }
   if (!facts.capture.empty()) {
     out += Paragraph("",
-                     "Only free ports could be listened to; with sudo, doctor also sees what "
-                     "comes to ports that a program holds.");
+                     "Only free ports could be examined; with sudo, doctor also sees data "
+                     "that arrives at ports of other programs.");
   }
   for (const Finding& finding : findings) {
     std::string head = doctor::Name(finding.severity);

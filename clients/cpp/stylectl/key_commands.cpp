@@ -77,7 +77,7 @@ Result<KeyReport> ListKeys(const KeyArguments& arguments) {
   }
   report.object["complaints"] = clients.value().complaints;
   for (const auto& complaint : clients.value().complaints) {
-    report.text += "lets nobody in: " + complaint + "\n";
+    report.text += "allows no client: " + complaint + "\n";
   }
   return report;
 }

@@ -189,8 +189,8 @@ void Monitor::Impl::TakeFrame(Update& update) {
   if (!styled) Follow(figure);
 }
 
-// The view follows the input figure, for both pictures: otherwise a style that leans would not be
-// seen to lean.
+// The view follows the input figure, for both pictures: otherwise a style that leans would not
+// appear to lean.
 void Monitor::Impl::Follow(const Figure& figure) {
   float yaw = 0;
   if (Facing(*figure.anatomy, figure.joints, yaw)) {
@@ -250,7 +250,7 @@ void Monitor::Impl::RefreshPerformers() {
     for (const auto& entry : stats.performers()) {
       view.performers.push_back({entry.performer(), entry.live(), SetText(entry)});
     }
-  } else {  // without statistics, or with the daemon down: the performers heard of
+  } else {  // without statistics, or with the daemon down: the performers seen so far
     for (const std::string& name : directory->performers()) {
       view.performers.push_back({name, connected, ""});
     }

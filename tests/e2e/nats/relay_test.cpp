@@ -131,7 +131,7 @@ TEST_F(JoinTest, ASiteThatNobodyServesIsToldAtOnce) {
   ASSERT_TRUE(join_->WaitForLog("connected to")) << Log();
   const v1::Reply reply = ControlClient(control_).SetStyle("rig.a", "style1");
   EXPECT_EQ(reply.code(), v1::CODE_BUSY);
-  EXPECT_THAT(reply.reason(), HasSubstr("nobody answers at styledctl.hal"));
+  EXPECT_THAT(reply.reason(), HasSubstr("no reply from styledctl.hal"));
 }
 
 TEST_F(JoinTest, AHubThatIsKilledAndStartedAgainBringsFramesAndBodiesBack) {

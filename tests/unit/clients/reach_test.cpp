@@ -216,7 +216,7 @@ TEST_F(ReachTest, PathsThatAreMissingNoSocketOrLeftBehind) {
   std::ofstream(path) << "a file";
   reach = Examine(endpoint, Peer::kControl, {}, kPatience);
   EXPECT_EQ(reach.obstacle, Obstacle::kNoSocket);
-  EXPECT_EQ(reach.text, path + " is no socket");
+  EXPECT_EQ(reach.text, path + " is not a socket");
   unlink(path.c_str());
   const int fd = socket(AF_UNIX, SOCK_STREAM, 0);  // as of a daemon that was killed
   sockaddr_un address{};

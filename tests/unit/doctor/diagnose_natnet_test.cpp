@@ -39,7 +39,7 @@ TEST_F(NatNetDiagnoseTest, SkeletonsOnTheRightInterfaceAreWell) { EXPECT_EQ(Code
 
 TEST_F(NatNetDiagnoseTest, AServerThatIsNotNamedIsAskedFor) {
   answers() = NatNetAnswers();
-  answers().error = "server: \"\" is no IPv4 address";
+  answers().error = "server: \"\" is not an IPv4 address";
   EXPECT_EQ(Code(), "natnet_no_server");
 }
 

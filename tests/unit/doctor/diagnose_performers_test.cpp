@@ -38,7 +38,8 @@ TEST_F(PerformersTest, WhoIsRefusedBesideALiveOneIsAProblemWithItsReason) {
   const auto found = Of("performer_refused");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::kProblem);
-  EXPECT_NE(found[0].what.find("suit.a: 360 datagrams came and no frame left"), std::string::npos)
+  EXPECT_NE(found[0].what.find("suit.a: 360 datagrams arrived and no frame left"),
+            std::string::npos)
       << found[0].what;
   EXPECT_NE(found[0].what.find("far ahead"), std::string::npos);
 }

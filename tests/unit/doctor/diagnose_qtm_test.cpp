@@ -31,7 +31,7 @@ TEST_F(QtmDiagnoseTest, AStreamOfSkeletonsIsWell) { EXPECT_EQ(Found().code, "");
 
 TEST_F(QtmDiagnoseTest, AServerThatIsNotNamedIsAskedFor) {
   answers() = QtmAnswers();
-  answers().error = "server: \":22223\" is no IPv4 address";
+  answers().error = "server: \":22223\" is not an IPv4 address";
   EXPECT_EQ(Found().code, "qtm_no_server");
 }
 
@@ -60,9 +60,9 @@ TEST_F(QtmDiagnoseTest, VersionSkeletonsAndMeasurementAreFollowedInOrder) {
   EXPECT_TRUE(Says(Found().what, "sees no skeleton"));
   answers().frames = 0;
   EXPECT_EQ(Found().code, "nothing_arrives");
-  EXPECT_EQ(Found().why, "None came in 3 s.");
+  EXPECT_EQ(Found().why, "None arrived in 3 s.");
   answers().no_measurement = true;
-  EXPECT_EQ(Found().why, "It says that there are no data.");
+  EXPECT_EQ(Found().why, "It reports that there is no data.");
   answers().skeletons = 0;
   EXPECT_EQ(Found().code, "no_skeleton");
   EXPECT_TRUE(Says(Found().what, "has no skeleton"));

@@ -59,7 +59,7 @@ TEST_F(TakeTest, WithoutFramesItSaysWhatThereIs) {
             "test.styrec: found no frames of styled/rig.a/rig/; it holds: arrivals of source suit "
             "(udp), styled/rig.b/rig/");
   records_.clear();
-  EXPECT_THAT(Read().status().message(), HasSubstr("it holds: nothing of the kind"));
+  EXPECT_THAT(Read().status().message(), HasSubstr("it holds: nothing to export"));
 }
 
 TEST_F(TakeTest, WithoutABodyOrAPoseItSaysSo) {
