@@ -21,7 +21,8 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 
-constexpr std::size_t kMaxRequestBytes = 8 << 20;  // as the daemon's, of a Like with its clip
+constexpr std::size_t kMaxRequestBytes = 8 << 20;  // like the daemon's limit of a Like with its
+                                                   // clip
 constexpr std::size_t kMaxTextBytes = 64 << 10;    // of a message as text
 constexpr int kMaxRequests = 16;                   // of one browser, without reply
 constexpr std::size_t kMaxNotices = 64;            // without key, queued
@@ -158,7 +159,7 @@ void Session::ReadTopics(const json& topics, bool subscribe) {
         break;
       case Subscribed::kNoTopic:
         note("'" + topic.substr(0, 128) +
-             "' is no topic, expected e.g. styled/rig.anna/rig/, source/rig.anna/, body/ "
+             "' is not a topic, expected e.g. styled/rig.anna/rig/, source/rig.anna/, body/ "
              "or stats/");
         break;
       case Subscribed::kTooMany:

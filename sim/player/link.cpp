@@ -165,7 +165,7 @@ class ServerLink final : public Link {
       return !newest_ && now - client.second > std::chrono::seconds(5);
     });
     for (const auto& [client, heard] : clients_) {
-      error_code ignored;  // a client that has left is no reason to stop
+      error_code ignored;  // a client that has left is not a reason to stop
       socket_.send_to(asio::buffer(datagram.data(), datagram.size()), client, 0, ignored);
     }
     return Status::Ok();
@@ -193,8 +193,8 @@ class ServerLink final : public Link {
   std::map<asio::ip::udp::endpoint, std::chrono::steady_clock::time_point> clients_;
 };
 
-// A target that is lost is asked for anew once a second, without waiting for it: the next records
-// are those of a rig that others receive, too.
+// A lost target is reconnected once a second, without waiting for it: the next records are those of
+// a rig that others receive, too.
 class TcpLink final : public Link {
  public:
   Status Open(const Address& address, double wait_ms) {

@@ -20,7 +20,7 @@ namespace {
 TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--seconds", "1"}), 0);
   const std::string line =
-      "stylesim: no program listens at udp://127.0.0.1:9 (Connection refused); sending goes on.";
+      "stylesim: no program listens at udp://127.0.0.1:9 (Connection refused); sending continues.";
   const std::size_t at = said_.find(line);
   ASSERT_NE(at, std::string::npos) << said_;
   EXPECT_EQ(said_.find(line, at + 1), std::string::npos) << said_;

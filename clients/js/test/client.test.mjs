@@ -234,8 +234,8 @@ test('a change that nobody will see is told: to who listens, else in the console
     gateway.answer = ({ performer }) => ({ code: Code.OK, like: { name: 'mine' }, applied:
       (performer === '*' ? ['rig.old', 'rig.a'] : [performer]).map((name) =>
         ({ performer: name, firstSequence: 5n, absent: name !== 'rig.a', noStrength: name === 'rig.a' })) });
-    const absent = 'nobody performs under the name rig.ann: the change waits until they come';
-    const weak = 'the strength of rig.a is 0: no style is to be seen';
+    const absent = 'no performer of the name rig.ann is present: the change waits for it';
+    const weak = 'the strength of rig.a is 0: no style is visible';
     await warnings(async (said) => {
       const [applied] = await client.setStyle('rig.ann', 'old');
       assert.deepEqual([applied.absent, applied.noStrength], [true, false]);
@@ -261,7 +261,7 @@ test('without listeners the console says who is not there, and what does not ans
       gateway.onJoin = () => setTimeout(() => gateway.notice({ daemon: { up: true, reason: '' } }), 0);
       client.subscribe('rig.ann');
       await until(() => said.length, 'the warning');
-      assert.match(said[0], /found nobody called rig\.ann/);
+      assert.match(said[0], /found no performer rig\.ann/);
     });
     const nobody = new StyledClient({ url: 'http://127.0.0.1:9' });
     await until(() => said.length > 1, 'the warning');

@@ -28,7 +28,7 @@ static class Heads {
       return 0;
     } catch (Exception error) when (error is ArgumentException || error is DllNotFoundException) {
       bool library = error is DllNotFoundException;
-      Console.Error.WriteLine("heads: " + (library ? "libzmq is not here (apt install libzmq5): " : "") + error.Message);
+      Console.Error.WriteLine("heads: " + (library ? "libzmq is missing (apt install libzmq5): " : "") + error.Message);
       if (!library) Console.Error.WriteLine(Usage);
       return 2;
     }

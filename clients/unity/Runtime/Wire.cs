@@ -6,9 +6,9 @@ using System.Text;
 
 namespace Styled {
 
-/// <summary>Reads the fields of one message in their order: Next, then the call for the field's type, or
-/// Skip. Every call throws FormatException where the bytes are not what it reads; none reads beyond the
-/// message. Little-endian machines.</summary>
+/// <summary>Reads the fields of one message in order: Next, then the call for the field's type, or Skip.
+/// Every call throws FormatException if the bytes have another type; none reads beyond the message.
+/// Little-endian machines.</summary>
 sealed class WireReader {
   const int VarintType = 0, Fixed64Type = 1, BytesType = 2, Fixed32Type = 5;
   static readonly Encoding Utf8 = new UTF8Encoding(false, true);
@@ -42,7 +42,7 @@ sealed class WireReader {
     else if (type_ == Fixed64Type) Take(8);
     else if (type_ == Fixed32Type) Take(4);
     else if (type_ == BytesType) Take(Length());
-    else throw new FormatException("a wire type that is none");
+    else throw new FormatException("an invalid wire type");
   }
 
   public ulong Number() {
@@ -66,7 +66,7 @@ sealed class WireReader {
     try {
       return Utf8.GetString(bytes_, Take(length), length);
     } catch (ArgumentException) {
-      throw new FormatException("text that is no UTF-8");
+      throw new FormatException("text that is not UTF-8");
     }
   }
 
@@ -83,7 +83,7 @@ sealed class WireReader {
     return new WireReader(bytes_, begin, begin + length);
   }
 
-  // Repeated numbers come together, or each as a field.
+  // Repeated numbers are packed, or each is a field.
   public void Floats(List<float> values) {
     if (type_ == Fixed32Type) {
       values.Add(Float());
@@ -126,7 +126,7 @@ sealed class WireReader {
     return (int)length;
   }
 
-  // Returns the place of the next `count` bytes.
+  // Returns the position of the next `count` bytes.
   int Take(int count) {
     if (count > end_ - at_) throw new FormatException("cut short");
     at_ += count;

@@ -84,7 +84,7 @@ test('who was changed by someone else meanwhile is left so, and that is said; ot
   await until(() => offered().isVisible(), 'the offer');
   daemon.set('rig.ben', { mix: [{ style: 'active', weight: 1 }] });
   await offered().click();
-  await said(/^undo of panic: rig\.ben was changed by someone else since, and left so/);
+  await said(/^undo of panic: rig\.ben was changed by another user since, and not undone/);
   assert.deepEqual(looks()['rig.anna'], before['rig.anna']);
   assert.equal(looks()['rig.ben'].mix, 'active 1');
 });
@@ -115,7 +115,7 @@ test('strength 0 is said beside the styles, and one click sets it to 1', async (
   assert.ok(!(await words.isVisible()), 'no style is set');
   await click('[data-style=angry]');
   await until(() => words.isVisible(), 'the words');
-  assert.match(await words.innerText(), /^Strength is 0: no style is to be seen\./);
+  assert.match(await words.innerText(), /^Strength is 0: no style is visible\./);
   assert.equal(looks()['rig.anna'].strength, 0, 'it is not changed behind the back of the user');
   for (const [width, height] of [[1280, 720], [390, 844]]) {
     await page.setViewportSize({ width, height });
@@ -230,7 +230,7 @@ const description = (bytes) => JSON.parse(bytes.subarray(20, 20 + bytes.readUInt
 
 test('a take is saved as VRMA, and as glTF of the avatar that is worn', async () => {
   daemon.fields = () => ({ expressions: [{ name: 'Joy', value: 0.5 }, { name: 'jawOpen', value: 0.25 }] });
-  const list = page.getByLabel('What is saved');
+  const list = page.getByLabel('Formats to save');
   assert.equal(await list.locator('option[value=avatar]').isDisabled(), true, 'nobody wears an avatar');
   await drop(page, ['boxes.vrm', makeAvatar(undefined, { details: true })]);
   await until(() => page.evaluate(() => globalThis.styled.stage.performers.get('rig.anna').avatar?.ready), 'the avatar');
@@ -307,7 +307,7 @@ test('the names of styles are seen whole, whatever the window, with and without 
 test('a video has the props that were there when it was taken', async () => {
   daemon.fields = () => ({ props: [{ name: 'sword', position: [0.5, 1.25, 0.75], rotation: [0, 0, 0, 1] }] });
   await until(async () => (await placeOf('sword')) !== undefined, 'the sword');
-  await page.getByLabel('What is saved').selectOption('video');
+  await page.getByLabel('Formats to save').selectOption('video');
   await click('button.record');
   await until(() => page.evaluate(() => globalThis.styled.recorder.frames > 15), 'frames');
   await click('button.record');
@@ -324,7 +324,7 @@ test('a video has the props that were there when it was taken', async () => {
   assert.ok(filmed.length > 2, 'it was looked at');
   // The first look may come before the first picture.
   for (const places of filmed.slice(1)) assert.deepEqual(places, [[0.5, 1.25, 0.75], [0.5, 1.25, 0.75]]);
-  await page.getByLabel('What is saved').selectOption('styled');
+  await page.getByLabel('Formats to save').selectOption('styled');
 });
 
 test('plots are grey and say that no data come, while the daemon is away or says nothing', async () => {

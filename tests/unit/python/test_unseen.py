@@ -17,8 +17,8 @@ from fake_daemon import FakeDaemon
 from styled import doubts
 from styled.v1 import body_pb2, control_pb2, frame_pb2
 
-ABSENT = "nobody performs under the name 'stage.ann': the change waits until they come"
-WEAK = 'the strength of stage.anna is 0: no style is to be seen'
+ABSENT = "no performer of the name 'stage.ann' is present: the change waits for it"
+WEAK = 'the strength of stage.anna is 0: no style is visible'
 
 
 def answer(request):
@@ -102,7 +102,7 @@ class UnseenTest(unittest.TestCase):
                                   env=dict(os.environ))
             return done.returncode, done.stdout, done.stderr
         self.assertEqual(run('set', 'stage.ann', '--style', 'old'),
-                         (0, 'stage.ann: set, when they come\n', f'python3 -m styled: {ABSENT}\n'))
+                         (0, 'stage.ann: set, from their first frame\n', f'python3 -m styled: {ABSENT}\n'))
         self.assertEqual(run('set', 'stage.anna', '--style', 'old'),
                          (0, 'stage.anna: set, from frame 7 on\n', f'python3 -m styled: {WEAK}\n'))
         self.assertEqual(run('like', 'stage.ann', '--clip', __file__, '--name', 'mine')[2],
@@ -148,12 +148,12 @@ class SilenceTest(unittest.TestCase):
                          [(category, text, __file__)] if category else [])
 
     def test_a_performer_who_does_not_come_is_told_once(self):
-        self.hears(styled.AbsentPerformer, "nobody performs under the name 'rig.b' yet: frames come when they do",
+        self.hears(styled.AbsentPerformer, "no performer of the name 'rig.b' is present yet: frames arrive once it is",
                    performer='rig.b')
 
     def test_an_output_that_nobody_has_is_told_once_while_other_frames_come(self):
         self.hears(styled.AbsentOutput, "no performer has an output 'heor' yet, they have canonical, hero, rig, "
-                   'source: frames come when one has', streams=['rig', 'heor'])
+                   'source: frames arrive when one has', streams=['rig', 'heor'])
 
     def test_who_and_what_is_there_is_not_missed(self):
         self.hears(None, '', seconds=1, performer='rig.a', streams=['rig', 'hero'])
