@@ -154,7 +154,7 @@ void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
     standby::RefuseOrder(config_.standby.peer, exchange->request, exchange->reply);
   } else {
     made = style_requests_.Do(*running_, *exchange);
-    if (!style_requests_.said().empty()) spdlog::info("{}", style_requests_.said());
+    if (!style_requests_.log_line().empty()) spdlog::info("{}", style_requests_.log_line());
     if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
     if (made != nullptr) running_ = made;
   }

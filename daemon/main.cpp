@@ -116,10 +116,10 @@ int Replay(const Arguments& arguments, const styled::Origin& origin) {
                           ? styled::replay::ConfigOf(*reader.value(), origin.overrides)
                           : styled::config::Load(origin.file, origin.overrides);
   if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
-  const auto said =
+  const auto summary =
       styled::replay::ReplayToFile(*reader.value(), config.value(), arguments.replay_to);
-  if (!said.ok()) return Refuse(said.status().message(), kFailed);
-  std::cout << "styled: " << said.value() << "\n";
+  if (!summary.ok()) return Refuse(summary.status().message(), kFailed);
+  std::cout << "styled: " << summary.value() << "\n";
   return 0;
 }
 

@@ -357,7 +357,7 @@ void Supervisor::Run() {
     if (passed_ns < runtime::kSecond_ns) continue;
     logged_ns += passed_ns;
     LogTrouble();
-    SayHowItGoes(static_cast<double>(passed_ns) / 1e9);
+    ReportStatus(static_cast<double>(passed_ns) / 1e9);
   }
 }
 
@@ -399,7 +399,7 @@ void Supervisor::LogTrouble() {
     const auto counter = static_cast<runtime::Counter>(i);
     const std::uint64_t value = counters_.Get(counter);
     if (runtime::IsTrouble(counter) && value != logged_[i]) {
-      const std::string from = NamesOf(counters_.TakeSources(counter));
+      const std::string from = NamesOf(counters_.ClearSources(counter));
       const runtime::LogFields fields{{"STYLED_COUNTER", std::string(runtime::Name(counter))},
                                       {"STYLED_MORE", std::to_string(value - logged_[i])},
                                       {"STYLED_IN_ALL", std::to_string(value)},
@@ -412,7 +412,7 @@ void Supervisor::LogTrouble() {
 }
 
 // Sets the status line of `systemctl status`.
-void Supervisor::SayHowItGoes(double seconds) {
+void Supervisor::ReportStatus(double seconds) {
   const std::uint64_t frames = counters_.Get(runtime::Counter::kPipelineFrames);
   std::string line = fmt::format("{} performers, {:.0f} frames/s; publishing on {}, control on {}",
                                  counters_.Get(runtime::Counter::kPipelinePerformers),

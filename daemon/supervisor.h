@@ -59,7 +59,7 @@ class Supervisor {
   void LogEvents();
   void LogTrouble();
   std::string NamesOf(std::uint64_t sources) const;
-  void SayHowItGoes(double seconds);
+  void ReportStatus(double seconds);
 
   config::Config config_;
   Origin origin_;

@@ -96,7 +96,7 @@ Origin OriginOf(std::string_view topic) {
 // two to four seconds. Only differences are used, so the clocks of two machines need not agree.
 class Lag {
  public:
-  std::int64_t Take(std::uint64_t published_ns, std::int64_t now_ns) {
+  std::int64_t Measure(std::uint64_t published_ns, std::int64_t now_ns) {
     const std::int64_t way_ns = now_ns - static_cast<std::int64_t>(published_ns);
     if (!started_ || now_ns - turned_ns_ >= kTurn_ns) {
       // After a longer silence, the last known shortest transit remains valid.
@@ -383,8 +383,8 @@ bool Subscriber::Impl::AcceptParsed(const Origin& origin, std::string_view name,
   out.skipped = 0;
   out.new_epoch = state.started && !same_epoch;
   if (!same_epoch) state.lag = Lag();
-  lag_ns = state.lag.Take(frame.publish_time_ns(),
-                          Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+  lag_ns = state.lag.Measure(frame.publish_time_ns(),
+                             Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
   state.started = true;
   state.epoch = frame.epoch();
   state.sequence = frame.sequence();

@@ -120,7 +120,7 @@ void Bridge::Pass(const client::Update& update) {
   }
   PassBody(update, stream);
   queue_.Push(frame.performer(), stream, update.bytes, frame.epoch(), frame.sequence());
-  if (update.stream != client::Stream::kStyledCanonical || !tier_.Takes(frame.performer())) return;
+  if (update.stream != client::Stream::kStyledCanonical || !tier_.Picks(frame.performer())) return;
   ++audience_;
   queue_.Push(frame.performer(), kAudienceStream, update.bytes, frame.epoch(), frame.sequence());
 }
@@ -188,6 +188,6 @@ Totals Bridge::totals() const {
   return t;
 }
 
-bool Bridge::TakeRefusedOutput() { return output_refused_ && !std::exchange(refusal_taken_, true); }
+bool Bridge::NextRefusedOutput() { return output_refused_ && !std::exchange(refusal_taken_, true); }
 
 }  // namespace styled::stylenats

@@ -69,7 +69,7 @@ class Bridge {
   int connected() { return subscriber_->connected(); }  // daemons: 0 or 1
   // True once, after frames of an [[output]] with the audience tier's name arrived: it is not
   // passed on.
-  bool TakeRefusedOutput();
+  bool NextRefusedOutput();
 
  private:
   explicit Bridge(std::string site) : site_(std::move(site)), queue_(site_) {}

@@ -118,7 +118,7 @@ bool PrintNews(const Arguments& a, Relay& relay, std::ostream& err) {
         << std::endl;
     closed = closed || event.kind == LinkEvent::Kind::kClosed;
   }
-  const std::string error = relay.TakeError();
+  const std::string error = relay.NextError();
   if (!error.empty()) err << "stylenats: KV: " << error << std::endl;
   return closed;
 }

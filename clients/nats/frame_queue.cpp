@@ -75,8 +75,8 @@ FrameQueue::Pushed FrameQueue::PushBody(std::string_view performer, std::string_
   return Add(performer, stream, true, {std::string(payload)}, now);
 }
 
-bool FrameQueue::Take(QueuedFrame& out, const std::stop_token& stop,
-                      std::chrono::milliseconds timeout) {
+bool FrameQueue::Pop(QueuedFrame& out, const std::stop_token& stop,
+                     std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   if (!wake_.wait_for(lock, stop, timeout, [this] { return !order_.empty(); })) return false;
   Slot& slot = *order_.front();
@@ -116,7 +116,7 @@ std::vector<std::pair<std::string, std::uint64_t>> FrameQueue::replaced() const 
   return rows;
 }
 
-bool AudienceTier::Takes(const std::string& performer) {
+bool AudienceTier::Picks(const std::string& performer) {
   if (counts_.size() >= kMaxPerformers && !counts_.contains(performer)) counts_.clear();
   return counts_[performer]++ % kStep == 0;
 }

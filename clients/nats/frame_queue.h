@@ -65,7 +65,7 @@ class FrameQueue {
 
   // Waits for a message and removes the oldest. False when `stop` is requested and nothing waits,
   // or after `timeout`.
-  bool Take(QueuedFrame& out, const std::stop_token& stop, std::chrono::milliseconds timeout);
+  bool Pop(QueuedFrame& out, const std::stop_token& stop, std::chrono::milliseconds timeout);
 
   std::size_t waiting() const;
   Counts counts() const;
@@ -108,7 +108,7 @@ class AudienceTier {
  public:
   static constexpr std::uint32_t kStep = 4;
   static constexpr std::size_t kMaxPerformers = 1024;
-  bool Takes(const std::string& performer);
+  bool Picks(const std::string& performer);
 
  private:
   std::unordered_map<std::string, std::uint32_t> counts_;

@@ -223,18 +223,18 @@ void Relay::Step(milliseconds timeout) {
     zmq::poll(items.data(), items.size(),
               std::clamp(until_repeat, milliseconds(0), std::max(timeout, milliseconds(0))));
     inbox_->TakeWake();
-    TakeValues();
-    TakeSubscriptions();
-    TakeRequests();
-    TakeFrames();
-    TakeReplies();
+    HandleValues();
+    HandleSubscriptions();
+    HandleRequests();
+    HandleFrames();
+    HandleReplies();
     if (Clock::now() >= next_repeat_) Repeat();
   } catch (const zmq::error_t& error) {
     if (error.num() != EINTR) throw;
   }
 }
 
-void Relay::TakeSubscriptions() {
+void Relay::HandleSubscriptions() {
   zmq::message_t event;
   bool changed = false;
   std::vector<std::string> added;
@@ -263,7 +263,7 @@ void Relay::Follow() {
   }
 }
 
-void Relay::TakeFrames() {
+void Relay::HandleFrames() {
   std::deque<std::string> order;
   std::map<std::string, std::deque<std::string>> frames;
   {
@@ -286,7 +286,7 @@ void Relay::TakeFrames() {
   }
 }
 
-void Relay::TakeValues() {
+void Relay::HandleValues() {
   decltype(inbox_->values) values;
   {
     const std::scoped_lock lock(inbox_->mutex);
@@ -348,7 +348,7 @@ void Relay::Send(std::string_view topic, std::string_view payload) {
   publisher_.send(zmq::buffer(payload), zmq::send_flags::dontwait);
 }
 
-void Relay::TakeRequests() {
+void Relay::HandleRequests() {
   zmq::message_t part;
   while (control_.recv(part, zmq::recv_flags::dontwait)) {
     std::vector<std::string> parts{part.to_string()};
@@ -384,7 +384,7 @@ void Relay::Ask(std::vector<std::string> envelope, const std::string& bytes) {
   pending_[number] = {std::move(envelope), id, Clock::now() + kPatience};
 }
 
-void Relay::TakeReplies() {
+void Relay::HandleReplies() {
   decltype(inbox_->replies) replies;
   {
     const std::scoped_lock lock(inbox_->mutex);

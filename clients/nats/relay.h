@@ -58,7 +58,7 @@ class Relay {
 
   RelayTotals totals() const;
   Link& link() { return *link_; }
-  std::string TakeError() { return values_->TakeError(); }  // of the bucket
+  std::string NextError() { return values_->NextError(); }  // of the bucket
   std::size_t subjects() const { return subscriptions_.size(); }
 
  private:
@@ -74,13 +74,13 @@ class Relay {
   explicit Relay(const RelayOptions& options);
   Status Bind();
   std::unique_ptr<Subscription> Subscribe(const std::string& subject) const;
-  void TakeSubscriptions();
+  void HandleSubscriptions();
   void Follow();
-  void TakeRequests();
+  void HandleRequests();
   void Ask(std::vector<std::string> envelope, const std::string& bytes);
-  void TakeFrames();
-  void TakeValues();
-  void TakeReplies();
+  void HandleFrames();
+  void HandleValues();
+  void HandleReplies();
   void Answer(const std::vector<std::string>& envelope, const std::string& bytes);
   void Refuse(const std::vector<std::string>& envelope, std::uint64_t id, v1::Code code,
               const std::string& reason);

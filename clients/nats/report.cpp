@@ -74,9 +74,9 @@ bool Report::PrintNews(Bridge& bridge) {
          << std::endl;
     closed = closed || event.kind == LinkEvent::Kind::kClosed;
   }
-  const std::string error = bridge.store().TakeError();
+  const std::string error = bridge.store().NextError();
   if (!error.empty()) err_ << "stylenats: KV: " << error << std::endl;
-  if (bridge.TakeRefusedOutput()) {
+  if (bridge.NextRefusedOutput()) {
     err_ << "stylenats: the [[output]] " << kAudienceStream
          << " is not passed on: the audience tier has its name" << std::endl;
   }

@@ -29,7 +29,7 @@ void Sender::Stop() {
 void Sender::Loop(const std::stop_token& stop) {
   QueuedFrame frame;
   for (;;) {
-    if (!queue_.Take(frame, stop, kWait)) {
+    if (!queue_.Pop(frame, stop, kWait)) {
       if (stop.stop_requested()) return;
       continue;
     }
@@ -38,7 +38,7 @@ void Sender::Loop(const std::stop_token& stop) {
     do {
       Send(frame);
       bytes += frame.payload.size();
-    } while (bytes < kTogether && queue_.Take(frame, stop, std::chrono::milliseconds(0)));
+    } while (bytes < kTogether && queue_.Pop(frame, stop, std::chrono::milliseconds(0)));
     Write();
   }
 }

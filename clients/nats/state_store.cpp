@@ -65,7 +65,7 @@ void StateStore::Remove(const std::string& key) {
   Queue(key, known->second);
 }
 
-std::string StateStore::TakeError() {
+std::string StateStore::NextError() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(error_, {});
 }

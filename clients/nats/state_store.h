@@ -54,7 +54,7 @@ class StateStore {
   const Counts& counts() const { return counts_; }
   void RequestStop() { thread_.request_stop(); }
   // The error of the last failed attempt, once; "": none failed since.
-  std::string TakeError();
+  std::string NextError();
 
  private:
   struct Entry {

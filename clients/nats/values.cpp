@@ -40,7 +40,7 @@ Values::Values(Link& link, const std::string& site, std::string domain, OnValue 
 
 Values::~Values() = default;
 
-std::string Values::TakeError() {
+std::string Values::NextError() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(error_, {});
 }
@@ -124,7 +124,7 @@ bool Values::Get(const std::vector<std::string>& subjects) {
     status = natsSubscription_NextMsg(&answer, answers.get(), kBrokersAnswer_ms);
     const Message owned(answer);
     if (status == NATS_OK && natsMsg_IsNoResponders(answer)) status = NATS_NO_RESPONDERS;
-    if (status == NATS_OK) Take(answer);
+    if (status == NATS_OK) Apply(answer);
   }
   return status == NATS_OK || Fail(status);
 }
@@ -141,7 +141,7 @@ bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
                                                            wanted.c_str(), kBrokersAnswer_ms);
     const Message owned(answer);
     if (status != NATS_OK) return Fail(status);
-    const std::uint64_t number = Take(answer);
+    const std::uint64_t number = Apply(answer);
     if (number > 0) {
       next = number + 1;
     } else {
@@ -152,7 +152,7 @@ bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
 }
 
 // Reports a value, or its removal. Returns its sequence number in the stream; 0: no value arrived.
-std::uint64_t Values::Take(natsMsg* message) {
+std::uint64_t Values::Apply(natsMsg* message) {
   const std::string_view subject = Header(message, "Nats-Subject");
   const std::string_view number = Header(message, "Nats-Sequence");
   std::uint64_t read = 0;

@@ -34,14 +34,14 @@ class Values {
   Values& operator=(const Values&) = delete;
 
   // The error of the last failed attempt, once; "": none failed since.
-  std::string TakeError();
+  std::string NextError();
 
  private:
   void Loop(const std::stop_token& stop);
   bool ReadAll(std::uint64_t& next);
   bool Get(const std::vector<std::string>& subjects);
   bool Follow(std::uint64_t next, const std::stop_token& stop);
-  std::uint64_t Take(natsMsg* message);
+  std::uint64_t Apply(natsMsg* message);
   bool Fail(natsStatus status);
 
   Link& link_;

@@ -28,7 +28,7 @@ class PublishOutlet final : public Outlet {
   static Result<std::unique_ptr<PublishOutlet>> Bind(const std::string& endpoint, bool as_recorded);
 
   void Note(const recording::Record& record) override;
-  Status Take(const recording::Record& record) override;
+  Status Play(const recording::Record& record) override;
   void Idle() override;
   void Restart() override;
 

@@ -34,7 +34,7 @@ class RigFrames {
   void Note(const recording::Record& record);
   // Stores a body, or sends a frame. The body is sent before the frame if it has changed, and once
   // per second.
-  void Take(const recording::Record& record, const Send& send);
+  void Apply(const recording::Record& record, const Send& send);
   // Starts a new session for every performer.
   void Restart() { performers_.clear(); }
 
@@ -55,7 +55,7 @@ class RigFrames {
   };
 
   void NoteBody(const std::string& topic, const std::string& payload);
-  void TakeFrame(const std::string& id, std::int64_t time_ns, const Send& send);
+  void ApplyFrame(const std::string& id, std::int64_t time_ns, const Send& send);
   void SendDatagram(native::Kind kind, Performer& performer, const std::string& source,
                     const std::string& payload, const Send& send);
 

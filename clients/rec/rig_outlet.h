@@ -44,7 +44,7 @@ class RigOutlet final : public Outlet {
   RigOutlet(RigOutletOptions options, player::Clock& clock, Steering* steering);
 
   void Note(const recording::Record& record) override;
-  Status Take(const recording::Record& record) override;
+  Status Play(const recording::Record& record) override;
   void Restart() override;
 
   const RigOutletCounts& counts() const { return counts_; }

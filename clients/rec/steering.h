@@ -27,7 +27,7 @@ class Steering final : public Outlet {
       const std::optional<client::Curve>& curve = std::nullopt);
 
   void Note(const recording::Record& record) override;  // commands are repeated, too
-  Status Take(const recording::Record& record) override;
+  Status Play(const recording::Record& record) override;
   void Restart() override {}
   void Finish() override { CatchUp(); }
 

@@ -55,7 +55,7 @@ class Text {
     Family(name, type, help);
     Sample(value);
   }
-  string Take() { return std::move(out_); }
+  string Finish() { return std::move(out_); }
 
  private:
   string out_, name_;
@@ -273,7 +273,7 @@ string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::
     if (daemon->has_clock()) WriteClock(daemon->clock(), text);
     if (daemon->has_standby()) WriteStandby(daemon->standby(), text);
   }
-  return text.Take();
+  return text.Finish();
 }
 
 }  // namespace styled::web

@@ -84,7 +84,7 @@ void Session::Offer(const MessagePtr& message) {
 
 void Session::Write() {
   if (writing_ || !open_) return;
-  writing_ = mailbox_.Take();
+  writing_ = mailbox_.Pop();
   if (!writing_) return;
   socket_.text(writing_->text);
   socket_.async_write(asio::buffer(writing_->bytes),

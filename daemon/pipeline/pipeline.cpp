@@ -205,7 +205,7 @@ void Pipeline::OnNote(int source, const std::string& text) {
            roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
-void Pipeline::OnNews(int source, const std::string& text) {
+void Pipeline::OnNotice(int source, const std::string& text) {
   log_.Log(Event::Level::kInfo,
            roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }

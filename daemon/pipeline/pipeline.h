@@ -74,7 +74,7 @@ class Pipeline final : public Worker, public source::Receiver {
     if (to_.recorder != nullptr) to_.recorder->OnArrival(arrival);
   }
   void OnNote(int source, const std::string& text) override;
-  void OnNews(int source, const std::string& text) override;
+  void OnNotice(int source, const std::string& text) override;
 
  private:
   // One frame or body of a batch.
@@ -100,7 +100,7 @@ class Pipeline final : public Worker, public source::Receiver {
       to_.OnArrival(arrival);
     }
     void OnNote(int source, const std::string& text) override { to_.OnNote(source, text); }
-    void OnNews(int source, const std::string& text) override { to_.OnNews(source, text); }
+    void OnNotice(int source, const std::string& text) override { to_.OnNotice(source, text); }
 
    private:
     Pipeline& to_;

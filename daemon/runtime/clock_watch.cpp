@@ -89,7 +89,7 @@ void ClockWatch::ReadReplies(std::int64_t now_ns) noexcept {
     const auto reply = ptp::Read(std::span(message).first(static_cast<std::size_t>(size)));
     if (!reply) continue;
     domain_ = heard_.domain = reply->domain;
-    Take(*reply);
+    Apply(*reply);
     any = true;
   }
   if (!any) return;
@@ -100,7 +100,7 @@ void ClockWatch::ReadReplies(std::int64_t now_ns) noexcept {
   discipline_.ptp = heard_;
 }
 
-void ClockWatch::Take(const ptp::Reply& reply) noexcept {
+void ClockWatch::Apply(const ptp::Reply& reply) noexcept {
   if (const auto* current = std::get_if<ptp::Current>(&reply.data)) heard_.current = *current;
   if (const auto* parent = std::get_if<ptp::Parent>(&reply.data)) heard_.parent = *parent;
   if (const auto* properties = std::get_if<ptp::TimeProperties>(&reply.data)) {

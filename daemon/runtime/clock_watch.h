@@ -57,7 +57,7 @@ class ClockWatch {
   bool ConnectTo(const char* path) noexcept;
   void Disconnect() noexcept;
   void ReadReplies(std::int64_t now_ns) noexcept;
-  void Take(const ptp::Reply& reply) noexcept;
+  void Apply(const ptp::Reply& reply) noexcept;
   void Ask() noexcept;
   bool Send(ptp::DataSet data, std::uint8_t domain) noexcept;
 

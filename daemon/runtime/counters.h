@@ -153,7 +153,7 @@ class Counters {
         std::uint64_t{1} << static_cast<unsigned>(std::min(source, 63)), std::memory_order_relaxed);
   }
   // The sources that AddOf() marked since the last call: bit i is source i. Clears the marks.
-  std::uint64_t TakeSources(Counter counter) noexcept {
+  std::uint64_t ClearSources(Counter counter) noexcept {
     return sources_[static_cast<std::size_t>(counter)].exchange(0, std::memory_order_relaxed);
   }
   STYLED_REALTIME void Set(Counter counter, std::uint64_t value) noexcept {

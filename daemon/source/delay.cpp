@@ -32,7 +32,7 @@ struct Sender {
   std::int64_t due_ns = 0, period_ns = 0;
 
   // Records a frame unless it is older than the newest one.
-  void Take(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
+  void Record(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
     if (the_sequence <= sequence && due_ns != 0) return;
     if (the_sequence == sequence + 1) period_ns = static_cast<std::int64_t>(the_time_ns - time_ns);
     sequence = the_sequence;
@@ -92,7 +92,7 @@ class Delayed final : public Transport, private Receiver {
   };
 
   void OnNote(int source, const std::string& text) override { to_->OnNote(source, text); }
-  void OnNews(int source, const std::string& text) override { to_->OnNews(source, text); }
+  void OnNotice(int source, const std::string& text) override { to_->OnNotice(source, text); }
   STYLED_REALTIME void OnArrival(const Arrival& arrival) noexcept override {
     to_->OnArrival(arrival);
   }
@@ -137,7 +137,7 @@ class Delayed final : public Transport, private Receiver {
     if (late_ns > delay_ns_) ++missed_;
     // now_ns - late_ns is when the frame would have arrived with the shortest transit.
     const std::int64_t schedule_ns = now_ns - late_ns + delay_ns_;
-    sender.Take(frame.sequence, frame.source_time_ns, schedule_ns);
+    sender.Record(frame.sequence, frame.source_time_ns, schedule_ns);
     return {std::max(now_ns, schedule_ns), schedule_ns};
   }
 

@@ -132,7 +132,7 @@ class NatNetTransport final : public Transport {
     socket.Announce(source_, receiver);
     outbox_.Open(receiver, command_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      translator_.Take(datagrams[i], socket.Sender(i), socket.arrived_ns(i), outbox_);
+      translator_.Handle(datagrams[i], socket.Sender(i), socket.arrived_ns(i), outbox_);
     }
     outbox_.Close();
     return static_cast<int>(datagrams.size());

@@ -19,7 +19,7 @@ class NoteLimit {
 
   // Counts one more event. Returns 0 if no line may be logged now; otherwise the number of events
   // that the line reports: this one and those since the last line. `now_ns` must not go back.
-  STYLED_REALTIME std::uint64_t Take(std::int64_t now_ns) noexcept {
+  STYLED_REALTIME std::uint64_t Count(std::int64_t now_ns) noexcept {
     ++times_;
     const std::int64_t from_ns = std::max(paid_ns_, now_ns);
     if (from_ns - now_ns > burst_ns_) return 0;

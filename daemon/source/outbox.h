@@ -42,11 +42,11 @@ class Outbox {
     LeaveHotSection();
     receiver_->OnNote(source_, text());
   }
-  // The same for a line that is not a warning (Receiver::OnNews).
+  // The same for a line that is not a warning (Receiver::OnNotice).
   template <typename MakeText>
-  void News(const MakeText& text) {
+  void Notice(const MakeText& text) {
     LeaveHotSection();
-    receiver_->OnNews(source_, text());
+    receiver_->OnNotice(source_, text());
   }
   // Sends a reply to a rig; dropped if it cannot be sent at once.
   STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;

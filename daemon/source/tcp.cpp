@@ -158,7 +158,7 @@ class Tcp final : public Transport {
     }
     Connection& connection = **place;
     counters_.AddOf(source_, Counter::kSourceTcpGaveWay);
-    if (const auto times = gave_way_notes_.Take(now_ns)) {
+    if (const auto times = gave_way_notes_.Count(now_ns)) {
       receiver.OnNote(source_, "all " + std::to_string(max_connections_) +
                                    " connections (max_connections) are taken: that of " +
                                    connection.Who() + ", which " +
@@ -171,7 +171,7 @@ class Tcp final : public Transport {
 
   void Refuse(const std::string& who, std::int64_t now_ns, Receiver& receiver) {
     counters_.AddOf(source_, Counter::kSourceTcpRefused);
-    if (const auto times = refused_notes_.Take(now_ns)) {
+    if (const auto times = refused_notes_.Count(now_ns)) {
       receiver.OnNote(source_, "all " + std::to_string(max_connections_) +
                                    " connections (max_connections) are sending: that of " + who +
                                    " is refused" + Times(times));
@@ -184,7 +184,7 @@ class Tcp final : public Transport {
     for (; now_ns >= NextDeadline_ns(); ++closed) {
       Connection& connection = **OldestWithoutRecord();
       counters_.AddOf(source_, Counter::kSourceTcpSilent);
-      if (const auto times = silent_notes_.Take(now_ns)) {
+      if (const auto times = silent_notes_.Count(now_ns)) {
         receiver.OnNote(source_, "the connection of " + connection.Who() +
                                      " is closed: no whole record arrived in " +
                                      std::to_string(kFirstRecord_ns / kSecond_ns) + " s" +
@@ -257,7 +257,7 @@ class Tcp final : public Transport {
     }
     outbox_.Open(receiver, -1);
     for (const auto record : records) {
-      translator_->Take(record, connection.peer, read.last_ns, outbox_);
+      translator_->Handle(record, connection.peer, read.last_ns, outbox_);
     }
     outbox_.Close();
   }

@@ -172,13 +172,13 @@ class TcpClient final : public Transport {
                           reinterpret_cast<const sockaddr*>(&peer_.address), peer_.address_size});
     }
     outbox_.Open(receiver, socket_.get());
-    for (const auto record : records) translator_->Take(record, peer_, now_ns, outbox_);
+    for (const auto record : records) translator_->Handle(record, peer_, now_ns, outbox_);
     outbox_.Close();
   }
 
   // Returns 1 if the connection has been closed.
   int CheckDialogue(std::int64_t now_ns, Receiver& receiver) {
-    if (const std::string fault = translator_->TakeFault(); !fault.empty()) {
+    if (const std::string fault = translator_->NextFault(); !fault.empty()) {
       Lose(fault, now_ns, receiver);
       return 1;
     }
@@ -187,8 +187,8 @@ class TcpClient final : public Transport {
     pause_ns_ = kFirstPause_ns;
     if (complaint_.empty()) return 0;
     complaint_.clear();
-    if (const auto times = again_notes_.Take(now_ns)) {
-      receiver.OnNews(source_, "server " + endpoint_ + ": connected again" + Times(times));
+    if (const auto times = again_notes_.Count(now_ns)) {
+      receiver.OnNotice(source_, "server " + endpoint_ + ": connected again" + Times(times));
     }
     return 0;
   }
@@ -200,7 +200,7 @@ class TcpClient final : public Transport {
     pause_ns_ = std::min(2 * pause_ns_, kLongestPause_ns);
     if (why == complaint_) return 1;
     complaint_ = why;
-    if (const auto times = lost_notes_.Take(now_ns)) {
+    if (const auto times = lost_notes_.Count(now_ns)) {
       receiver.OnNote(source_, "server " + endpoint_ + ": " + why + "; trying again every " +
                                    std::to_string(kLongestPause_ns / kSecond_ns) + " s" +
                                    Times(times));

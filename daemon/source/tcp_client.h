@@ -30,7 +30,7 @@ class ServerTranslator : public Translator {
   virtual bool ready() const = 0;
   // Why this connection has to be closed; "" if it need not be. Called after every batch and tick;
   // clears the reason.
-  virtual std::string TakeFault() = 0;
+  virtual std::string NextFault() = 0;
 };
 
 // Opens the transport that connects by TCP to `config.server` (IPv4 HOST[:PORT], the default port

@@ -28,8 +28,8 @@ class Translator {
 
   // Handles one datagram, or record of a stream, that arrived at `now_ns` (monotonic). The bytes
   // are valid during the call.
-  virtual void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-                    Outbox& out) = 0;
+  virtual void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                      Outbox& out) = 0;
 
   // Handles everything that depends on time alone: unfinished frames, ticks of a clock, heartbeats.
   // Called after every batch and when NextDeadline_ns() has passed.

@@ -40,7 +40,7 @@ class Receiver {
   // A line for the log, a warning. The caller limits how often the same fact is reported.
   virtual void OnNote(int /*source*/, const std::string& /*text*/) {}
   // The same for a line that is not a warning: a rig is calibrated, a server answers again.
-  virtual void OnNews(int source, const std::string& text) { OnNote(source, text); }
+  virtual void OnNotice(int source, const std::string& text) { OnNote(source, text); }
 };
 
 // The calibrations of a rig whose sensors do not know how they are mounted on the body.

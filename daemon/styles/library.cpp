@@ -43,7 +43,7 @@ std::vector<std::filesystem::path> FilesOf(RuntimeConfig& config) {
 }
 
 // Adds the style of a file, unless the configuration already has it as it is in the file.
-Status Take(const std::filesystem::path& file, RuntimeConfig& config) {
+Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
   const auto text = ReadFile(file, kMaxStyleFileBytes);
   if (!text.ok()) return text.status();
   auto style = ParseStyleFile(text.value(), file, config);
@@ -104,8 +104,8 @@ void ReadLibrary(RuntimeConfig& config) {
     }
   }
   for (const std::filesystem::path& file : files) {
-    const Status taken = Take(file, config);
-    if (!taken.ok()) config.complaints.push_back("style.library: " + taken.message());
+    const Status added = AddFromFile(file, config);
+    if (!added.ok()) config.complaints.push_back("style.library: " + added.message());
   }
 }
 

@@ -177,12 +177,12 @@ void Measure(const RuntimeConfig& running, MadeStyle& style) {
 
 }  // namespace
 
-void Say(const MadeStyle& style, v1::LikeReply& said) {
-  said.set_name(style.name);
-  said.set_nearest(style.nearest);
-  said.set_distance(style.distance);
-  said.set_seconds(style.seconds);
-  *said.mutable_code() = {style.code.begin(), style.code.end()};
+void Describe(const MadeStyle& style, v1::LikeReply& reply) {
+  reply.set_name(style.name);
+  reply.set_nearest(style.nearest);
+  reply.set_distance(style.distance);
+  reply.set_seconds(style.seconds);
+  *reply.mutable_code() = {style.code.begin(), style.code.end()};
 }
 
 bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
@@ -207,11 +207,11 @@ std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& 
   std::shared_ptr<RuntimeConfig> made;
   if (like.measure()) {
     Measure(running, style);
-    Say(style, *reply.mutable_like());
+    Describe(style, *reply.mutable_like());
   } else {
     made = std::make_shared<RuntimeConfig>(running);
     if (!PutStyle(std::move(style), *made).Accept("like", reply)) return nullptr;
-    Say(*made->made.at(like.name()), *reply.mutable_like());
+    Describe(*made->made.at(like.name()), *reply.mutable_like());
   }
   like.clear_clip();
   like.clear_learn_s();

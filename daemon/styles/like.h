@@ -19,7 +19,7 @@ inline constexpr float kShortestTake_s = 1;
 bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply);
 
 // Writes the description of a style for a reply.
-void Say(const MadeStyle& style, v1::LikeReply& said);
+void Describe(const MadeStyle& style, v1::LikeReply& reply);
 
 // Does the part of a Like that does not belong to the pipeline: reads the clip, finds the style's
 // code, and makes a configuration whose network has the style; null after an error, and for

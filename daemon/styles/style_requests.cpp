@@ -55,7 +55,7 @@ bool IsStyleRequest(const v1::Request& request) {
 
 std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& running,
                                                        Exchange& exchange) {
-  said_.clear();
+  log_line_.clear();
   error_.clear();
   exchange.reply.set_id(exchange.request.id());
   if (exchange.places) return Arrange(running, exchange);
@@ -97,8 +97,8 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& ru
   const auto made = AddStyle(running, like, exchange.take, exchange.reply, &example, limit);
   if (made == nullptr) return nullptr;
   const v1::LikeReply& reply = exchange.reply.like();
-  said_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
-          ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
+  log_line_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
+              ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
   if (made->style.library.empty()) return made;
   const std::string text =
       ExampleText(example, static_cast<double>(made->network->model().rate_hz), most_bytes);
@@ -142,8 +142,8 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Import(const RuntimeConfig& 
     (void)NotKept(kept).Accept(kCommand, reply);
     return nullptr;
   }
-  Say(*made->made.at(name), *reply.mutable_like());
-  said_ = "style " + name + " imported";
+  Describe(*made->made.at(name), *reply.mutable_like());
+  log_line_ = "style " + name + " imported";
   return made;
 }
 
@@ -163,7 +163,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Rename(const RuntimeConfig& 
     return nullptr;
   }
   wanted.set_name(style->name);  // spelled as in looks
-  said_ = "style " + style->name + " is called " + wanted.to() + " now";
+  log_line_ = "style " + style->name + " is called " + wanted.to() + " now";
   return made;
 }
 
@@ -183,7 +183,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Remove(const RuntimeConfig& 
     return nullptr;
   }
   wanted.set_name(style->name);
-  said_ = "style " + style->name + " removed";
+  log_line_ = "style " + style->name + " removed";
   return made;
 }
 

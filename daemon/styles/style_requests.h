@@ -23,7 +23,7 @@ class StyleRequests {
   std::shared_ptr<const RuntimeConfig> Do(const RuntimeConfig& running, Exchange& exchange);
   // The log line of the last Do(); "" if there is none. A library that could not be written for a
   // Like is an error that its reply does not contain.
-  const std::string& said() const { return said_; }
+  const std::string& log_line() const { return log_line_; }
   const std::string& error() const { return error_; }
 
  private:
@@ -34,7 +34,7 @@ class StyleRequests {
   std::shared_ptr<const RuntimeConfig> Remove(const RuntimeConfig& running, Exchange& exchange);
 
   Previews previews_;
-  std::string said_, error_;
+  std::string log_line_, error_;
 };
 
 }  // namespace styled::pipeline

@@ -89,23 +89,23 @@ class Straightest {
       const auto side = [left](int joint) { return left ? joint : body::MirrorJoint(joint); };
       const int thigh = side(body::kLeftUpperLeg), shin = side(body::kLeftLowerLeg);
       const int foot = side(body::kLeftFoot), toes = side(body::kLeftToes);
-      Take(thigh, body::kHips, Best([&](const World& world) {
-             return std::max(Angle_deg(Bone(world, thigh, shin), -up_),
-                             Angle_deg(Bone(world, shin, Has(foot) ? foot : toes), -up_));
-           }),
-           pose);
+      CopyLimb(thigh, body::kHips, Best([&](const World& world) {
+                 return std::max(Angle_deg(Bone(world, thigh, shin), -up_),
+                                 Angle_deg(Bone(world, shin, Has(foot) ? foot : toes), -up_));
+               }),
+               pose);
       off_deg = std::max(off_deg, Straighten(thigh, shin, pose));
       off_deg = std::max(off_deg, Straighten(shin, Has(foot) ? foot : toes, pose));
       const int arm = side(body::kLeftUpperArm), forearm = side(body::kLeftLowerArm);
       const int hand = side(body::kLeftHand), shoulder = side(body::kLeftShoulder);
       // Straight and hanging, or sideways: from there the elbow's axis is known.
-      Take(Has(shoulder) ? shoulder : arm, body::kChest, Best([&](const World& world) {
-             const Vec3 upper = Bone(world, arm, forearm);
-             const Vec3 across = Bone(world, side(body::kRightUpperArm), arm);
-             const float bent = Has(hand) ? Angle_deg(upper, Bone(world, forearm, hand)) : 0;
-             return bent + std::min(Angle_deg(upper, -up_), Angle_deg(upper, across));
-           }),
-           pose);
+      CopyLimb(Has(shoulder) ? shoulder : arm, body::kChest, Best([&](const World& world) {
+                 const Vec3 upper = Bone(world, arm, forearm);
+                 const Vec3 across = Bone(world, side(body::kRightUpperArm), arm);
+                 const float bent = Has(hand) ? Angle_deg(upper, Bone(world, forearm, hand)) : 0;
+                 return bent + std::min(Angle_deg(upper, -up_), Angle_deg(upper, across));
+               }),
+               pose);
       if (Has(foot) && Has(toes)) LayFlat(foot, toes, pose);
     }
     return pose;
@@ -141,7 +141,7 @@ class Straightest {
   }
 
   // Copies the limb that begins at `first`, and the joints between it and `trunk`, from a frame.
-  void Take(int first, int trunk, std::size_t from, RigPose& pose) const {
+  void CopyLimb(int first, int trunk, std::size_t from, RigPose& pose) const {
     const auto& parents = clip_.skeleton.parents;
     const RigPose& frame = clip_.frames[frames_[from]];
     std::vector<bool> limb(parents.size(), false);

@@ -60,12 +60,12 @@ class Scanner {
     while (at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '\n')) {
       if (text_[at_++] == '\n') ++line_;
     }
-    return Take();
+    return ReadWord();
   }
   // The next word on this line; empty if there is none.
   std::string_view WordOnLine() {
     while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
-    return at_ < text_.size() && text_[at_] != '\n' ? Take() : std::string_view();
+    return at_ < text_.size() && text_[at_] != '\n' ? ReadWord() : std::string_view();
   }
   // The rest of this line without surrounding blanks, up to a brace, which is not consumed.
   std::string_view RestOfLine() {
@@ -80,7 +80,7 @@ class Scanner {
   }
 
  private:
-  std::string_view Take() {
+  std::string_view ReadWord() {
     const std::size_t begin = at_;
     if (at_ < text_.size() && (text_[at_] == '{' || text_[at_] == '}')) {
       return text_.substr(at_++, 1);

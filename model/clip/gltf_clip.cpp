@@ -193,15 +193,15 @@ class Accessors {
 
 // The keys of one channel.
 struct Track {
-  enum class Way { kLinear, kStep, kCubic };
+  enum class Interpolation { kLinear, kStep, kCubic };
   std::size_t width = 4;  // of a value: 3 or 4
-  Way way = Way::kLinear;
+  Interpolation interpolation = Interpolation::kLinear;
   Accessors::Values times, values;  // cubic: in-tangent, value, out-tangent per key
 
   bool empty() const { return times == nullptr; }
   const std::vector<float>& times_s() const { return *times; }
   const float* Value(std::size_t key) const {
-    return values->data() + width * (way == Way::kCubic ? 3 * key + 1 : key);
+    return values->data() + width * (interpolation == Interpolation::kCubic ? 3 * key + 1 : key);
   }
 };
 
@@ -246,11 +246,12 @@ Eigen::Vector4f ValueOf(const Track& track, double time_s) {
   const auto next = static_cast<std::size_t>(
       std::upper_bound(times.begin(), times.end(), static_cast<float>(time_s)) - times.begin());
   if (next == 0) return read(track.Value(0));
-  if (next == times.size() || track.way == Track::Way::kStep) return read(track.Value(next - 1));
+  if (next == times.size() || track.interpolation == Track::Interpolation::kStep)
+    return read(track.Value(next - 1));
   const float step_s = times[next] - times[next - 1];
   const float t = (static_cast<float>(time_s) - times[next - 1]) / step_s;
   const Eigen::Vector4f a = read(track.Value(next - 1)), b = read(track.Value(next));
-  if (track.way == Track::Way::kLinear) {
+  if (track.interpolation == Track::Interpolation::kLinear) {
     if (track.width == 3) return a + t * (b - a);
     return Quat(a).normalized().slerp(t, Quat(b).normalized()).coeffs();
   }
@@ -265,9 +266,9 @@ Eigen::Vector4f ValueOf(const Track& track, double time_s) {
 Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& accessors) {
   Track track;
   track.width = width;
-  const json& way = Member(sampler, "interpolation");
-  if (way == "STEP") track.way = Track::Way::kStep;
-  if (way == "CUBICSPLINE") track.way = Track::Way::kCubic;
+  const json& interpolation = Member(sampler, "interpolation");
+  if (interpolation == "STEP") track.interpolation = Track::Interpolation::kStep;
+  if (interpolation == "CUBICSPLINE") track.interpolation = Track::Interpolation::kCubic;
   const auto input = IndexOf(sampler, "input"), output = IndexOf(sampler, "output");
   if (!input || !output) return Status::Error("found a sampler without input or output");
   auto times = accessors.Read(*input, "SCALAR");
@@ -276,7 +277,7 @@ Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& acces
   if (!values.ok()) return values.status();
   track.times = std::move(times.value());
   track.values = std::move(values.value());
-  const std::size_t per_key = width * (track.way == Track::Way::kCubic ? 3 : 1);
+  const std::size_t per_key = width * (track.interpolation == Track::Interpolation::kCubic ? 3 : 1);
   if (track.values->size() != per_key * track.times->size()) {
     return Status::Error("found " + std::to_string(track.times->size()) + " times for " +
                          std::to_string(track.values->size() / per_key) + " values");

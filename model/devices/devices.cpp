@@ -40,9 +40,9 @@ Devices::Devices(const Options& options) noexcept
   device_m_.fill(Vec3::Zero());
 }
 
-void Devices::Take(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
-                   const Quat& rotation) noexcept {
-  if (rotation.coeffs().allFinite()) trackers_.Take(part, time_ns, rotation);
+void Devices::Add(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
+                  const Quat& rotation) noexcept {
+  if (rotation.coeffs().allFinite()) trackers_.Add(part, time_ns, rotation);
   if (!position_m.allFinite()) return;
   Track& track = tracks_[part];
   if (track.taken > 0 && time_ns < track.newest().time_ns) return;

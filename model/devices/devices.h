@@ -34,8 +34,8 @@ class Devices {
   // Adds a measurement: right-handed axes, +Y up, metres, unit length. A value that was not
   // measured is NaN: a device may send position and rotation one after the other, or only one of
   // them. All `time_ns` are on one clock; a sample older than the last one of its part is dropped.
-  STYLED_REALTIME void Take(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
-                            const Quat& rotation) noexcept;
+  STYLED_REALTIME void Add(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
+                           const Quat& rotation) noexcept;
 
   // Call while the performer stands in the T-pose described by `stance`, in the devices' space.
   // Calibrates every part with a live device, and drops the calibration of all others. The mounting

@@ -209,8 +209,8 @@ void Feet::PlaceFoot(int side, float dt_s, float weight, const Travel& travel) n
   const float push_toes = Push(floor_m, in_toes.y(), toes.y() + lift_toes);
   const float push_heel = Push(floor_m + leg.ankle_above_toes_m, in_heel.y(), heel.y() + lift_heel);
   // The push at one end also lifts the other: lifting one end after the other would be a jolt.
-  lift_toes = weight * (lift_toes + std::hypot(push_toes, tuning::kTakenAlong * push_heel));
-  lift_heel = weight * (lift_heel + std::hypot(push_heel, tuning::kTakenAlong * push_toes));
+  lift_toes = weight * (lift_toes + std::hypot(push_toes, tuning::kLiftShared * push_heel));
+  lift_heel = weight * (lift_heel + std::hypot(push_heel, tuning::kLiftShared * push_toes));
   if (!has_toes) lift_toes = lift_heel;
 
   const Vec3 foot = toes - heel;

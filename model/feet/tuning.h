@@ -107,7 +107,7 @@ inline constexpr float kHighCushion_m = 0.03F;
 inline constexpr float kSwing_m = 0.06F;
 // The share of a lift at one end of the foot that is added to the other end. 0: toe and heel were
 // held up one after the other, a jolt. No measurement of the value on record.
-inline constexpr float kTakenAlong = 0.7F;
+inline constexpr float kLiftShared = 0.7F;
 // Time constant of the lift to the performer's height, s. Slower ones do not reduce the clips to
 // blame.
 inline constexpr float kLift_s = 0.03F;

@@ -31,11 +31,11 @@ class ClipStream {
 
   // The next pose, 1 / Model::rate_hz after the last: canonical, finite, unit rotations.
   virtual void Add(const body::Pose& pose) = 0;
-  // Call after the last pose: Take then returns the remaining predictions.
+  // Call after the last pose: Pop then returns the remaining predictions.
   virtual void End() = 0;
   // Writes the next prediction; false if it needs more poses, or all are taken. If the weights
   // compute something that is not finite, so are its rotations.
-  virtual bool Take(Prediction& out) = 0;
+  virtual bool Pop(Prediction& out) = 0;
 
  protected:
   ClipStream() = default;

@@ -176,7 +176,7 @@ void Neutral::Learn(const Pose& input, const Ordinary& ordinary, float dt_s,
   add(seconds_[kArms], dt_s * std::min(ordinary.left_arm, ordinary.right_arm));
 }
 
-void Neutral::TakeOut(const Pose& input, Pose& out) const noexcept {
+void Neutral::RemoveCarriage(const Pose& input, Pose& out) const noexcept {
   out.hips_position_m = input.hips_position_m;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     out.rotations[joint] = (used_.rotations[joint] * input.rotations[joint]).normalized();

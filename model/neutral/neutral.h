@@ -57,7 +57,7 @@ class Neutral {
 
   // Writes `input`, the last processed pose, with the carriage of the reference's performer. `out`
   // may be `input`. The hips' place is unchanged.
-  STYLED_REALTIME void TakeOut(const body::Pose& input, body::Pose& out) const noexcept;
+  STYLED_REALTIME void RemoveCarriage(const body::Pose& input, body::Pose& out) const noexcept;
 
   // How well the neutral is known, 0 .. 1: the weight of the performer's frames in the mean, for
   // the body without the arms.

@@ -46,8 +46,8 @@ class Trackers {
 
   // Adds a measurement: right-handed axes, +Y up, unit length. All `time_ns` are on one clock. A
   // sample older than the last one of its part is dropped; one of the same time replaces it.
-  STYLED_REALTIME void Take(body::Joint part, std::int64_t time_ns,
-                            const Quat& world_from_sensor) noexcept;
+  STYLED_REALTIME void Add(body::Joint part, std::int64_t time_ns,
+                           const Quat& world_from_sensor) noexcept;
 
   // Call while the performer stands in `stance`. Calibrates every part with a live tracker, drops
   // the calibration of all others, and places the performer above the origin.

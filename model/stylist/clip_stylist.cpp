@@ -158,7 +158,7 @@ void ClipStylist::Impl::Feed() {
     if (fed == frames.count) streams[i]->End();
     Track& to = *played[i];
     Prediction prediction;
-    while (streams[i]->Take(prediction)) {
+    while (streams[i]->Pop(prediction)) {
       // Taken predictions are removed before the rest grows beyond them.
       if (to.next > to.predictions.size() / 2) {
         to.predictions.erase(to.predictions.begin(),

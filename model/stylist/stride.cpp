@@ -28,7 +28,7 @@ Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noe
   seen_ += share * (1 - seen_);
   // Frames some nanoseconds apart have no share at all.
   if (seen_ > 0) velocity_mps_ += share / seen_ * (step_m_ / dt - velocity_mps_);
-  return Step::kTaken;
+  return Step::kAccepted;
 }
 
 namespace {

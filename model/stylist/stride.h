@@ -57,7 +57,7 @@ class Stride {
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
  private:
-  enum class Step { kNone, kTaken };
+  enum class Step { kNone, kAccepted };
   Step Measure(const body::Vec3& hips_m, double dt_s, double hole_s) noexcept;
   void Scale(const GaitChange& change, float dt_s, float settle_s) noexcept;
 

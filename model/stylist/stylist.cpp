@@ -63,7 +63,7 @@ struct Stylist::Impl {
 
   // The six steps except the second, which is StepTogether.
   void Bind(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept;
-  void TakeOutNeutral(const Pose& input) noexcept;
+  void RemoveNeutral(const Pose& input) noexcept;
   void ChangeStyle(const Pose& input) noexcept;
   float Shown(body::Part part) const noexcept;
   void Apply(Output& out) const noexcept;
@@ -77,8 +77,8 @@ struct Stylist::Impl {
   void Restart() noexcept;
   void RestartAfterGap() noexcept;
   void JudgeFrame(std::int64_t time_ns, Output& out) noexcept;
-  void MoveOn(Output& out) noexcept;
-  void GiveBack(Output& out) noexcept;
+  void UpdateTravel(Output& out) noexcept;
+  void FallBackToInput(Output& out) noexcept;
   bool Bypassed() const noexcept;
   // Null if the performer's neutral is not removed.
   const neutral::Reference* Reference() const noexcept {
@@ -230,23 +230,23 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   binding->Bind(input_guard.clean(), out.canonical_input);
   mixer.Advance(dt_s);
   if (rests && Bypassed()) predictor.Skip();
-  MoveOn(out);
-  TakeOutNeutral(out.canonical_input);
+  UpdateTravel(out);
+  RemoveNeutral(out.canonical_input);
 }
 
 // A performer's motion in another style tells nothing about their neutral.
-void Stylist::Impl::TakeOutNeutral(const Pose& input) noexcept {
+void Stylist::Impl::RemoveNeutral(const Pose& input) noexcept {
   const neutral::Reference* const reference = Reference();
   if (reference == nullptr) {
     seen = input;
     return;
   }
   neutral.Follow(input, static_cast<float>(dt_s), mixer.input_style() == 0, *reference);
-  neutral.TakeOut(input, seen);
+  neutral.RemoveCarriage(input, seen);
 }
 
 // The path over the floor is scaled as far as the style is shown, and only if legs show it.
-void Stylist::Impl::MoveOn(Output& out) noexcept {
+void Stylist::Impl::UpdateTravel(Output& out) noexcept {
   const float shown =
       domain.weight() * std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));
   const net::Styles& styles = predictor.network()->model().styles;
@@ -408,12 +408,12 @@ void Stylist::Impl::GuardOutput(Output& out) noexcept {
       rig_feet.Reset();
     }
   }
-  if (failed) GiveBack(out);
+  if (failed) FallBackToInput(out);
 }
 
 // Clears the whole state of the styling, because NaN in it would stay for good; the style is then
 // faded in.
-void Stylist::Impl::GiveBack(Output& out) noexcept {
+void Stylist::Impl::FallBackToInput(Output& out) noexcept {
   predictor.RestartStates();
   filter.Clear();
   domain.Reset();

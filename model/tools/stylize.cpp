@@ -325,7 +325,7 @@ class Run {
     }
     if (arguments_.cadence) {
       progress_->Clear();
-      stylize::TakeTimes(job.out, styled.times_s, !arguments_.quiet, clip);
+      stylize::Retime(job.out, styled.times_s, !arguments_.quiet, clip);
       outcome.frames = clip.frames.size();
     }
     return Write(job, source, std::move(clip), outcome);

@@ -92,8 +92,7 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
                  const stylist::Settings& settings);
 // Puts the frames of a styled clip at `times_s` (clip::Retime), and prints both lengths on standard
 // error; `file` is the output's name.
-void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
-               clip::Clip& clip);
+void Retime(const std::string& file, std::span<const double> times_s, bool say, clip::Clip& clip);
 
 // stylize_neutral.cpp: the words of --neutral; anything else is a file.
 inline constexpr const char* kNeutralOfClip = "clip";

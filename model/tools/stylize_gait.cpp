@@ -71,8 +71,7 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
   return CheckStyle(kCadenceNeeds, styles[static_cast<std::size_t>(settings.input_style)]);
 }
 
-void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
-               clip::Clip& clip) {
+void Retime(const std::string& file, std::span<const double> times_s, bool say, clip::Clip& clip) {
   const auto length_s = [&clip] {
     return static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
   };

@@ -301,7 +301,7 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     return Status::Error("manifest " + manifest.name + ": no clip of split \"" + split + "\" has " +
                          std::to_string(min_frames) + " frames");
   }
-  const Status shown = TakePersonsOut(parameters.rate_hz, clips);
+  const Status shown = RemovePersons(parameters.rate_hz, clips);
   if (!shown.ok()) return Status::Error("manifest " + manifest.name + ": " + shown.message());
   for (TrainingClip& clip : clips) {
     RunFilters(parameters, clip.still_content < 0 ? 0 : manifest.still_speed_mps, clip);

@@ -19,20 +19,20 @@ void Follow(const TrainingClip& clip, double rate_hz, const neutral::Reference& 
   }
 }
 
-void TakeOut(const neutral::Known& known, double rate_hz, const neutral::Reference& reference,
-             TrainingClip& clip) {
+void RemoveCarriage(const neutral::Known& known, double rate_hz,
+                    const neutral::Reference& reference, TrainingClip& clip) {
   neutral::Neutral neutral;
   neutral.Know(known, reference);
   const auto dt_s = static_cast<float>(1 / rate_hz);
   for (body::Pose& pose : clip.poses) {
     neutral.Follow(pose, dt_s, false, reference);
-    neutral.TakeOut(pose, pose);
+    neutral.RemoveCarriage(pose, pose);
   }
 }
 
 }  // namespace
 
-Status TakePersonsOut(double rate_hz, std::vector<TrainingClip>& clips) {
+Status RemovePersons(double rate_hz, std::vector<TrainingClip>& clips) {
   std::map<std::string, neutral::Neutral> persons;
   for (const TrainingClip& clip : clips) {
     if (!clip.person.empty()) persons.try_emplace(clip.person);
@@ -56,7 +56,7 @@ Status TakePersonsOut(double rate_hz, std::vector<TrainingClip>& clips) {
     }
   }
   for (TrainingClip& clip : clips) {
-    if (!clip.person.empty()) TakeOut(known.at(clip.person), rate_hz, *reference, clip);
+    if (!clip.person.empty()) RemoveCarriage(known.at(clip.person), rate_hz, *reference, clip);
   }
   return Status::Ok();
 }

@@ -12,6 +12,6 @@ namespace styled::train {
 // to the reference of the neutral clips without a person (MeasureReference). The hips' place stays.
 // Errors: there is no such reference; a person never stands or walks upright in their clips. Pinned
 // by tests/unit/train/persons_test.cpp.
-Status TakePersonsOut(double rate_hz, std::vector<TrainingClip>& clips);
+Status RemovePersons(double rate_hz, std::vector<TrainingClip>& clips);
 
 }  // namespace styled::train

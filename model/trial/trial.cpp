@@ -275,7 +275,7 @@ Status Try(const net::ClipStylizer& network, const std::string& name, Figures* f
     for (const body::Pose& pose : poses) stream->Add(pose);
     stream->End();
     net::Prediction out;
-    for (std::size_t frame = 0; stream->Take(out); ++frame) {
+    for (std::size_t frame = 0; stream->Pop(out); ++frame) {
       if (const auto fault = Judge(poses[frame], out, worst)) {
         return Refusal(name, run.text, frame, poses.size(), *fault);
       }

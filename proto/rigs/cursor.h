@@ -27,7 +27,7 @@ class ByteReader {
     if (ok()) result_ = why;
     bytes_ = {};
   }
-  std::span<const std::byte> Take(std::size_t size) noexcept {
+  std::span<const std::byte> Consume(std::size_t size) noexcept {
     if (size > bytes_.size()) {
       Fail(DecodeResult::kTruncated);
       return {};
@@ -40,7 +40,7 @@ class ByteReader {
   template <typename T>
   T Get() noexcept {
     T value{};
-    const auto taken = Take(sizeof(T));
+    const auto taken = Consume(sizeof(T));
     if (!taken.empty()) std::memcpy(&value, taken.data(), sizeof(T));
     return value;
   }

@@ -164,7 +164,7 @@ int Run(const Options& o) {
           .SetStyle("rig.a0", "style" + std::to_string(1 + styles++ % 4));
       for (Memory& memory : memories) memory.Sample(minute());
     }
-    const RawResult result = viewers.Take();
+    const RawResult result = viewers.Collect();
     delivered += result.delivered;
     lost += result.lost;
     doubled += result.doubled;

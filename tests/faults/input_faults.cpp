@@ -162,8 +162,8 @@ class Inspector final : public publish::Publisher {
     }
   }
   bool NextSubscription(publish::SubscriptionEvent& event) override {
-    if (told_) return false;
-    told_ = true;
+    if (reported_) return false;
+    reported_ = true;
     event = {true, ""};
     return true;
   }
@@ -172,7 +172,7 @@ class Inspector final : public publish::Publisher {
 
  private:
   v1::Frame frame_;
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 // Frames with one or many values that a sensor, a driver or an attacker may send, through the

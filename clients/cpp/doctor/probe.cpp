@@ -217,7 +217,7 @@ PortState Probe::Open(bool stream, std::uint16_t port, bool v6) {
       if (!other_family && listen(host) == 0) state.hosts.push_back(host);
     }
   }
-  state.kind = state.hosts.empty() ? PortState::Kind::kTaken : PortState::Kind::kPartly;
+  state.kind = state.hosts.empty() ? PortState::Kind::kInUse : PortState::Kind::kPartly;
   state.why.clear();
   return state;
 }

@@ -90,7 +90,7 @@ class QtmCall final : public Listener {
       qtm::Packet packet;
       const auto record = std::span(received_).subspan(begin, size);
       begin += size;
-      if (qtm::DecodePacket(record, packet) == qtm::DecodeResult::kOk) Take(packet);
+      if (qtm::DecodePacket(record, packet) == qtm::DecodeResult::kOk) Handle(packet);
     }
     if (cut == rigs::Cut::kBroken) {
       const std::string_view text(reinterpret_cast<const char*>(received_.data()),
@@ -103,7 +103,7 @@ class QtmCall final : public Listener {
     return true;
   }
 
-  void Take(const qtm::Packet& packet) {
+  void Handle(const qtm::Packet& packet) {
     switch (packet.type) {
       case PacketType::kCommand:
       case PacketType::kError:

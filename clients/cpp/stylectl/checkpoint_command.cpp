@@ -20,7 +20,7 @@ struct CheckpointArguments {
   bool overwrite = false;
 };
 
-int Take(Session& session, const CheckpointArguments& arguments) {
+int WriteToFile(Session& session, const CheckpointArguments& arguments) {
   const auto usage = [&](const std::string& why) {
     return session.Usage("checkpoint take: " + why);
   };
@@ -91,7 +91,7 @@ void DeclareCheckpoints(Session& session) {
   CLI::App* take =
       session.AddPart(checkpoint, "take",
                       "write the state of a performer to a file, without affecting the performer",
-                      [&session, arguments] { return Take(session, *arguments); });
+                      [&session, arguments] { return WriteToFile(session, *arguments); });
   take->add_option("PERFORMER", arguments->performer, "SOURCE.NAME")->required();
   take->add_option("FILE", arguments->file, "to write")->required();
   take->add_flag("--overwrite", arguments->overwrite, "replace a file that exists");

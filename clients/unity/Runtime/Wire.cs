@@ -39,9 +39,9 @@ sealed class WireReader {
 
   public void Skip() {
     if (type_ == VarintType) Varint();
-    else if (type_ == Fixed64Type) Take(8);
-    else if (type_ == Fixed32Type) Take(4);
-    else if (type_ == BytesType) Take(Length());
+    else if (type_ == Fixed64Type) Advance(8);
+    else if (type_ == Fixed32Type) Advance(4);
+    else if (type_ == BytesType) Advance(Length());
     else throw new FormatException("an invalid wire type");
   }
 
@@ -52,19 +52,19 @@ sealed class WireReader {
 
   public ulong Fixed64() {
     Expect(Fixed64Type);
-    return BitConverter.ToUInt64(bytes_, Take(8));
+    return BitConverter.ToUInt64(bytes_, Advance(8));
   }
 
   public float Float() {
     Expect(Fixed32Type);
-    return BitConverter.ToSingle(bytes_, Take(4));
+    return BitConverter.ToSingle(bytes_, Advance(4));
   }
 
   public string Text() {
     Expect(BytesType);
     int length = Length();
     try {
-      return Utf8.GetString(bytes_, Take(length), length);
+      return Utf8.GetString(bytes_, Advance(length), length);
     } catch (ArgumentException) {
       throw new FormatException("text that is not UTF-8");
     }
@@ -73,13 +73,13 @@ sealed class WireReader {
   public byte[] Bytes() {
     Expect(BytesType);
     var value = new byte[Length()];
-    Array.Copy(bytes_, Take(value.Length), value, 0, value.Length);
+    Array.Copy(bytes_, Advance(value.Length), value, 0, value.Length);
     return value;
   }
 
   public WireReader Message() {
     Expect(BytesType);
-    int length = Length(), begin = Take(length);
+    int length = Length(), begin = Advance(length);
     return new WireReader(bytes_, begin, begin + length);
   }
 
@@ -90,7 +90,7 @@ sealed class WireReader {
       return;
     }
     Expect(BytesType);
-    int length = Length(), begin = Take(length);
+    int length = Length(), begin = Advance(length);
     if (length % 4 != 0) throw new FormatException("a number is cut short");
     for (int i = begin; i < at_; i += 4) values.Add(BitConverter.ToSingle(bytes_, i));
   }
@@ -113,7 +113,7 @@ sealed class WireReader {
   ulong Varint() {
     ulong value = 0;
     for (int shift = 0; shift < 70; shift += 7) {
-      byte next = bytes_[Take(1)];
+      byte next = bytes_[Advance(1)];
       value |= (ulong)(next & 127) << shift;
       if (next < 128) return value;
     }
@@ -127,7 +127,7 @@ sealed class WireReader {
   }
 
   // Returns the position of the next `count` bytes.
-  int Take(int count) {
+  int Advance(int count) {
     if (count > end_ - at_) throw new FormatException("cut short");
     at_ += count;
     return at_ - count;

@@ -93,7 +93,7 @@ DeviceRig::Known* DeviceRig::Find(const Device& device, std::uint64_t peer, std:
 }
 
 void DeviceRig::Introduce(Known& known, std::int64_t now_ns, Outbox& out) {
-  const std::uint64_t times = strangers_.Take(now_ns);
+  const std::uint64_t times = strangers_.Count(now_ns);
   if (times == 0) return;
   out.Note([&] {
     return "device \"" + Printable(known.name, 64) + "\" " +
@@ -104,8 +104,8 @@ void DeviceRig::Introduce(Known& known, std::int64_t now_ns, Outbox& out) {
   });
 }
 
-void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64_t peer,
-                     std::int64_t now_ns, Outbox& out) {
+void DeviceRig::Accept(const Device& device, const Measured& measured, std::uint64_t peer,
+                       std::int64_t now_ns, Outbox& out) {
   const bool nothing = !measured.position_m.allFinite() && !measured.rotation.coeffs().allFinite();
   if (device.name.empty() || device.name.size() > 64 || !IsUtf8(device.name) || nothing ||
       !IsSane(measured)) {
@@ -126,7 +126,7 @@ void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64
   }
   heard_ns_ = now_ns;
   if (known->part != Seen::kUnknown) {
-    devices_.Take(body::Joint(known->part), now_ns, measured.position_m, rotation);
+    devices_.Add(body::Joint(known->part), now_ns, measured.position_m, rotation);
   }
   stream_.Wake(now_ns);
 }
@@ -140,7 +140,7 @@ void DeviceRig::NoteHeading(float heading, std::uint64_t peer, std::int64_t now_
 
 void DeviceRig::Tick(std::int64_t now_ns, Outbox& out) {
   if (!note_.empty()) {
-    out.News([this] { return std::exchange(note_, {}); });
+    out.Notice([this] { return std::exchange(note_, {}); });
   }
   stream_.Tick(now_ns, options_.delay_ns, out, [this](std::int64_t time_ns, body::Pose& pose) {
     if (calibrated_) return devices_.Solve(time_ns, pose);
@@ -221,7 +221,7 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
     Known& known = *who[i];
     known.part = seen[i].part;
     if (known.part == Seen::kUnknown) continue;
-    devices_.Take(
+    devices_.Add(
         body::Joint(known.part), now_ns, known.last.position_m,
         IsTurned(known, now_ns) ? known.last.rotation : body::Quat(kNan, kNan, kNan, kNan));
   }

@@ -19,7 +19,7 @@ namespace styled::source {
 // protocol (VMC's devices, VRChat's trackers). Passes the measurements to the body solver
 // (model/devices) and sends its poses: the rest pose until the first calibration, nothing while all
 // devices are silent. Each calibration starts a new session, because the pose jumps. Pipeline
-// thread; Take and Tick do not allocate once the devices are known and the first frame was sent.
+// thread; Accept and Tick do not allocate once the devices are known and the first frame was sent.
 // Pinned by tests/unit/vrchat/translator_test.cpp.
 //
 // A device's part comes from `trackers` of the source; else from the protocol's convention
@@ -48,8 +48,8 @@ class DeviceRig {
   // Accepts a device's measurement. Refuses values that are not finite or beyond 1 km, and a
   // message without a measurement (source.malformed); a device that another sender sends
   // (pipeline.second_sender); and new ones while kMaxDevices are live (source.table_full).
-  void Take(const Device& device, const Measured& measured, std::uint64_t peer, std::int64_t now_ns,
-            Outbox& out);
+  void Accept(const Device& device, const Measured& measured, std::uint64_t peer,
+              std::int64_t now_ns, Outbox& out);
   // The performer's heading in the T-pose according to the sender, in radians, for devices whose
   // positions do not show it. It remains valid, for the head's device of the same sender, because
   // some senders send it only once. Within kSilent_ns, headings from another sender are refused

@@ -33,8 +33,8 @@ class IFacialMocap final : public Translator {
     ask_ns_ = 0;
   }
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     const auto result = ifacialmocap::Decode(datagram, frame_);
     if (result != ifacialmocap::DecodeResult::kOk) return out.Refuse(Counter::kSourceMalformed);
     if (peer.id != peer_) {

@@ -21,8 +21,8 @@ class LiveLinkFace final : public Translator {
  public:
   explicit LiveLinkFace(const config::Source& config) : face_(config.expressions == "vrm") {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& /*peer*/, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& /*peer*/, std::int64_t now_ns,
+              Outbox& out) override {
     live_link_face::Frame frame;
     if (live_link_face::Decode(datagram, frame) != live_link_face::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);

@@ -41,7 +41,7 @@ class Sender {
   std::uint64_t peer() const { return peer_; }
   std::int64_t seen_ns() const { return seen_ns_; }
 
-  void Take(const mocopi::Datagram& datagram, std::int64_t now_ns, Outbox& out) {
+  void Handle(const mocopi::Datagram& datagram, std::int64_t now_ns, Outbox& out) {
     seen_ns_ = now_ns;
     if (datagram.kind == mocopi::Datagram::Kind::kSkeleton) {
       TakeSkeleton(datagram.skeleton, out);
@@ -115,14 +115,14 @@ class Mocopi final : public Translator {
   explicit Mocopi(const config::Source& config)
       : performer_(config.performer.empty() ? config.name : config.performer) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (mocopi::Decode(datagram, datagram_) != mocopi::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     Sender* sender = Find(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
-    sender->Take(datagram_, now_ns, out);
+    sender->Handle(datagram_, now_ns, out);
   }
 
  private:

@@ -203,7 +203,7 @@ void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
   if (incomplete_) return;
   incomplete_ = true;
   out.Refuse(Counter::kSourceIncomplete);
-  const std::uint64_t times = incomplete_notes_.Take(now_ns);
+  const std::uint64_t times = incomplete_notes_.Count(now_ns);
   if (times == 0) return;
   out.Note([&] {
     return "character " + std::to_string(id_) + ": " + std::to_string(gathered_) + " of " +
@@ -307,8 +307,8 @@ class Mvn final : public Translator {
  public:
   explicit Mvn(const config::Source& config) : config_(config) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     mvn::Header header;
     if (mvn::DecodeHeader(datagram, header) != DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
@@ -376,11 +376,11 @@ class Mvn final : public Translator {
     std::string name = config_.performer;
     if (name.empty()) name = who.called().empty() ? config_.name : who.called();
     const std::string stem = name.substr(0, 28);
-    for (int i = 2; Taken(name, who); ++i) name = stem + "-" + std::to_string(i);
+    for (int i = 2; IsInUse(name, who); ++i) name = stem + "-" + std::to_string(i);
     return name;
   }
   // Another sender's character may have the same name: the pipeline admits one sender at a time.
-  bool Taken(std::string_view name, const Character& who) const {
+  bool IsInUse(std::string_view name, const Character& who) const {
     return std::any_of(characters_.begin(), characters_.end(), [&](const auto& other) {
       return other->id() != who.id() && other->performer() == name;
     });

@@ -46,8 +46,8 @@ NatNet::NatNet(const config::Source& config, const sockaddr_in& server, in_addr 
   server_.address_size = sizeof server;
 }
 
-void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-                  Outbox& out) {
+void NatNet::Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                    Outbox& out) {
   if (!SameHost(peer, server_)) {
     out.LeaveHotSection();  // the line is composed before the check whether it was logged
     Say("ignoring packets that do not come from server " + config_.server, out);
@@ -59,16 +59,16 @@ void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::in
   }
   if (now_ns - heard_ns_ >= kSilence_ns) {  // the server answers again
     out.LeaveHotSection();
-    said_.Forget(now_ns);
+    logged_.Forget(now_ns);
   }
   heard_ns_ = now_ns;
   switch (packet.id) {
     case MessageId::kServerInfo:
-      return TakeServerInfo(packet.payload, now_ns, out);
+      return HandleServerInfo(packet.payload, now_ns, out);
     case MessageId::kModelDef:
-      return TakeModel(packet.payload, out);
+      return HandleModel(packet.payload, out);
     case MessageId::kFrameOfData:
-      return TakeFrame(packet.payload, now_ns, out);
+      return HandleFrame(packet.payload, now_ns, out);
     default:
       return out.Refuse(Counter::kSourceIgnored);
   }
@@ -107,10 +107,11 @@ void NatNet::SendCommand(MessageId id, Outbox& out) {
 
 void NatNet::Say(std::string text, Outbox& out) {
   out.LeaveHotSection();
-  if (said_.Add(text)) out.Note([&text] { return std::move(text); });
+  if (logged_.Add(text)) out.Note([&text] { return std::move(text); });
 }
 
-void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+void NatNet::HandleServerInfo(std::span<const std::byte> payload, std::int64_t now_ns,
+                              Outbox& out) {
   natnet::ServerInfo info;
   if (natnet::DecodeServerInfo(payload, info) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
@@ -133,7 +134,7 @@ void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now
   AskForModel(now_ns, out);
 }
 
-void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
+void NatNet::HandleModel(std::span<const std::byte> payload, Outbox& out) {
   if (!version_) return out.Refuse(Counter::kSourceIgnored);
   if (natnet::DecodeModel(payload, *version_, *model_) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
@@ -185,7 +186,7 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
   return true;
 }
 
-void NatNet::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+void NatNet::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
   if (!version_) return out.Refuse(Counter::kSourceIgnored);
   const bool read = natnet::DecodeFrame(payload, *version_, *frame_) == DecodeResult::kOk &&
                     frame_->timestamp_s >= 0 && frame_->timestamp_s < 1e10;
@@ -246,7 +247,7 @@ void NatNet::WatchConvention(Outbox& out) {
     if (performer != nullptr) performer->skeleton.AddMisfits(bones, flags_, misfits);
   }
   const bool was_known = convention_.known();
-  if (!convention_.Take(misfits) || !was_known) return;
+  if (!convention_.Evaluate(misfits) || !was_known) return;
   for (auto& performer : performers_) performer->stream.Restart();
   const NatNetConvention found = convention_.convention();
   Say("server " + config_.server + " now streams " + (found.local ? "local" : "global") +
@@ -256,7 +257,7 @@ void NatNet::WatchConvention(Outbox& out) {
 
 // A body of a skeleton has the skeleton's id in its upper 16 bits. An untracked body has the pose
 // of an earlier frame.
-void NatNet::TakeProps(Outbox& out) noexcept {
+void NatNet::HandleProps(Outbox& out) noexcept {
   props_.count = props_.left_out = 0;
   for (std::size_t b = 0; b < frame_->rigid_bodies_read; ++b) {
     const natnet::Bone& body = frame_->rigid_bodies[b];
@@ -273,7 +274,7 @@ void NatNet::TakeProps(Outbox& out) noexcept {
 
 void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
   WatchConvention(out);
-  TakeProps(out);
+  HandleProps(out);
   PerformerStream::FrameInfo info;
   info.source_time_ns = static_cast<std::uint64_t>(std::llround(frame_->timestamp_s * 1e9));
   info.now_ns = now_ns;

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/source/logged_lines.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/props.h"
 #include "daemon/source/rigs/natnet_skeleton.h"
-#include "daemon/source/said_lines.h"
 #include "daemon/source/translator.h"
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"
@@ -55,8 +55,8 @@ class NatNet final : public Translator {
   // `server`: its command port. `group`: config.group.
   NatNet(const config::Source& config, const sockaddr_in& server, in_addr group);
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override;
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override;
   void Tick(std::int64_t now_ns, Outbox& out) override;
   std::int64_t NextDeadline_ns() const override { return next_pulse_ns_; }
 
@@ -74,13 +74,13 @@ class NatNet final : public Translator {
   };
   enum class Order { kNext, kOld };
 
-  void TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
-  void TakeModel(std::span<const std::byte> payload, Outbox& out);
-  void TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
+  void HandleServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
+  void HandleModel(std::span<const std::byte> payload, Outbox& out);
+  void HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
   Order Sort(std::uint64_t& lost, Outbox& out);
   void Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out);
   Performer* Find(std::int32_t skeleton) noexcept;
-  STYLED_REALTIME void TakeProps(Outbox& out) noexcept;
+  STYLED_REALTIME void HandleProps(Outbox& out) noexcept;
   bool Adopt(const natnet::SkeletonDescription& description,
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
   void WatchConvention(Outbox& out);
@@ -113,7 +113,7 @@ class NatNet final : public Translator {
   // Steps between frame numbers: a server may send only every n-th frame.
   std::uint32_t stride_ = 0, last_step_ = 0, steady_ = 0;
   Timecode timecode_;
-  SaidLines said_;
+  LoggedLines logged_;
   std::unique_ptr<natnet::Frame> frame_ = std::make_unique<natnet::Frame>();
   std::unique_ptr<natnet::Model> model_ = std::make_unique<natnet::Model>();
 };

@@ -68,7 +68,7 @@ class NatNetConventionFinder {
 
   // Evaluates the misfits of one frame. Returns true if the convention changes: at the first
   // conclusive frame, later when ten conclusive frames in a row agree on another one.
-  STYLED_REALTIME bool Take(const std::array<float, 4>& misfits) noexcept;
+  STYLED_REALTIME bool Evaluate(const std::array<float, 4>& misfits) noexcept;
   // False before the first conclusive frame, unless both settings are fixed.
   bool known() const { return known_; }
   NatNetConvention convention() const { return {(current_ & 2U) != 0, (current_ & 1U) != 0}; }

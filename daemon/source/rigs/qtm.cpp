@@ -29,32 +29,32 @@ Qtm::Qtm(const config::Source& config) : config_(config) {
   server_.address_size = sizeof server.value();
 }
 
-void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
-               Outbox& out) {
+void Qtm::Handle(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
+                 Outbox& out) {
   qtm::Packet packet;
   if (qtm::DecodePacket(record, packet) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   switch (packet.type) {
     case PacketType::kData:
-      return TakeFrame(packet.payload, now_ns, out);
+      return HandleFrame(packet.payload, now_ns, out);
     case PacketType::kNoMoreData:  // the stream continues with the next measurement
       no_measurement_ = true;
       return;
     case PacketType::kCommand:
-      return TakeText(qtm::TextOf(packet.payload), now_ns, out);
+      return HandleText(qtm::TextOf(packet.payload), now_ns, out);
     case PacketType::kError:
-      return TakeError(qtm::TextOf(packet.payload), now_ns, out);
+      return HandleError(qtm::TextOf(packet.payload), now_ns, out);
     case PacketType::kXml:
-      return TakeXml(qtm::TextOf(packet.payload), now_ns, out);
+      return HandleXml(qtm::TextOf(packet.payload), now_ns, out);
     case PacketType::kEvent:
-      return TakeEvent(static_cast<qtm::Event>(packet.payload.front()), now_ns, out);
+      return HandleEvent(static_cast<qtm::Event>(packet.payload.front()), now_ns, out);
     default:
       return out.Refuse(Counter::kSourceIgnored);
   }
 }
 
-void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
   // The answer to a request for parameters. Sections that were not requested are not read.
   if (!IsAsking() || stage_ < Stage::kGeneral) return out.Refuse(Counter::kSourceIgnored);
   out.LeaveHotSection();
@@ -66,25 +66,25 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
   }
   answer_ns_ = kNever;
   const qtm::Parameters& parameters = read.value();
-  bool changed = TakeVolume(parameters);
+  bool changed = HandleVolume(parameters);
   switch (stage_) {
     case Stage::kGeneral:
       return Enter(Stage::kSpace, now_ns, out);
     case Stage::kSpace:
       return Enter(Stage::kSkeletons, now_ns, out);
     case Stage::kSkeletons:
-      TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), true,
-                    out);
+      HandleSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), true,
+                      out);
       return Enter(Stage::kStreaming, now_ns, out);
     case Stage::kStreaming:
-      if (parameters.skeletons) changed = TakeSkeletons(*parameters.skeletons, changed, out);
+      if (parameters.skeletons) changed = HandleSkeletons(*parameters.skeletons, changed, out);
       return EndReread(changed, now_ns);
     default:  // requests nothing that is answered in XML
       return;
   }
 }
 
-bool Qtm::TakeVolume(const qtm::Parameters& parameters) {
+bool Qtm::HandleVolume(const qtm::Parameters& parameters) {
   const auto before = std::pair(frequency_hz_, up_);
   if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
   if (parameters.up) up_ = *parameters.up;
@@ -92,8 +92,8 @@ bool Qtm::TakeVolume(const qtm::Parameters& parameters) {
   return std::pair(frequency_hz_, up_) != before;
 }
 
-bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
-                        Outbox& out) {
+bool Qtm::HandleSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
+                          Outbox& out) {
   if (skeletons.empty()) {
     Say(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
   } else if (skeletons.size() > qtm::kMaxSkeletons) {
@@ -139,7 +139,7 @@ bool Qtm::Adopt(const qtm::SkeletonDescription& description,
   return true;
 }
 
-void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
   switch (event) {
     case qtm::Event::kConnected:
     case qtm::Event::kCaptureStarted:
@@ -175,7 +175,7 @@ bool Qtm::ReadTimecode() noexcept {
   return true;
 }
 
-void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
   if (qtm::DecodeFrame(payload, *frame_) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }

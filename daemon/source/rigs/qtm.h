@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/source/logged_lines.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/rigs/qtm_skeleton.h"
-#include "daemon/source/said_lines.h"
 #include "daemon/source/tcp_client.h"
 #include "proto/rigs/qtm/frame.h"
 #include "proto/rigs/qtm/parameters.h"
@@ -43,8 +43,8 @@ class Qtm final : public ServerTranslator {
  public:
   explicit Qtm(const config::Source& config);
 
-  void Take(std::span<const std::byte> record, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override;
+  void Handle(std::span<const std::byte> record, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override;
   void Tick(std::int64_t now_ns, Outbox& out) override;
   std::int64_t NextDeadline_ns() const override {
     return std::min({answer_ns_, again_ns_, reread_ns_, silence_ns_});
@@ -57,7 +57,7 @@ class Qtm final : public ServerTranslator {
   }
   void Connected(std::int64_t now_ns) override;
   bool ready() const override { return stage_ == Stage::kStreaming; }
-  std::string TakeFault() override { return std::exchange(fault_, {}); }
+  std::string NextFault() override { return std::exchange(fault_, {}); }
 
  private:
   // The awaited answer. The stages after kVersion send one request each.
@@ -69,19 +69,19 @@ class Qtm final : public ServerTranslator {
     rig::RigPose pose;
   };
 
-  void TakeText(std::string_view text, std::int64_t now_ns, Outbox& out);
-  void TakeError(std::string_view text, std::int64_t now_ns, Outbox& out);
+  void HandleText(std::string_view text, std::int64_t now_ns, Outbox& out);
+  void HandleError(std::string_view text, std::int64_t now_ns, Outbox& out);
   void RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& out);
   void RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out);
-  void TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out);
-  void TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out);
-  void TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
-  void TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out);
-  // These return whether anything changed; TakeSkeletons also if `changed` was true. They log the
+  void HandleXml(std::string_view xml, std::int64_t now_ns, Outbox& out);
+  void HandleEvent(qtm::Event event, std::int64_t now_ns, Outbox& out);
+  void HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
+  void HandleVersion(std::string_view answer, std::int64_t now_ns, Outbox& out);
+  // These return whether anything changed; HandleSkeletons also if `changed` was true. They log the
   // present state then.
-  bool TakeVolume(const qtm::Parameters& parameters);
-  bool TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
-                     Outbox& out);
+  bool HandleVolume(const qtm::Parameters& parameters);
+  bool HandleSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
+                       Outbox& out);
   bool Adopt(const qtm::SkeletonDescription& description,
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
 
@@ -133,7 +133,7 @@ class Qtm final : public ServerTranslator {
   std::int64_t last_us_ = 0;
   std::uint32_t last_number_ = 0;
   Timecode timecode_;
-  SaidLines said_;
+  LoggedLines logged_;
   std::unique_ptr<qtm::Frame> frame_ = std::make_unique<qtm::Frame>();
 };
 

@@ -27,7 +27,7 @@ void Qtm::Connected(std::int64_t now_ns) {
   timecode_wanted_ = true;
   asked_.clear();
   fault_.clear();
-  said_.Forget(now_ns);
+  logged_.Forget(now_ns);
   frequency_hz_.reset();
   up_ = qtm::Axis::kZ;
   answer_ns_ = now_ns + kAnswer_ns;
@@ -145,15 +145,15 @@ void Qtm::SayThatNoFrameCame(Outbox& out) {
                                   : " sent no frame within " + seconds +
                                         " s: frames come when a measurement runs in QTM, or a file "
                                         "plays in real time");
-  if (said_.Add(text)) out.News([&text] { return text; });
+  if (logged_.Add(text)) out.Notice([&text] { return text; });
 }
 
 void Qtm::Say(const std::string& text, Outbox& out) {
   out.LeaveHotSection();
-  if (said_.Add(text)) out.Note([&text] { return text; });
+  if (logged_.Add(text)) out.Note([&text] { return text; });
 }
 
-void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleText(std::string_view text, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
   if (qtm::IsGreeting(text)) {
     Connected(now_ns);  // a recording has no other sign of a new connection
@@ -164,12 +164,12 @@ void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
              std::string(qtm::kGreeting) + "\"";
     return;
   }
-  if (stage_ == Stage::kVersion) return TakeVersion(text, now_ns, out);
+  if (stage_ == Stage::kVersion) return HandleVersion(text, now_ns, out);
   out.Refuse(Counter::kSourceIgnored);
 }
 
-void Qtm::TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out) {
-  if (qtm::TakesVersion(answer)) return Enter(Stage::kGeneral, now_ns, out);
+void Qtm::HandleVersion(std::string_view answer, std::int64_t now_ns, Outbox& out) {
+  if (qtm::AcceptsVersion(answer)) return Enter(Stage::kGeneral, now_ns, out);
   if (minor_ > qtm::kOldestMinor) {
     --minor_;
     return Enter(Stage::kVersion, now_ns, out);
@@ -179,7 +179,7 @@ void Qtm::TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out)
            " (skeletons need QTM 2019 or later); it answered \"" + qtm::ToString(answer) + "\"";
 }
 
-void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleError(std::string_view text, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
   const std::string words = '"' + qtm::ToString(text) + '"';
   switch (stage_) {
@@ -187,7 +187,7 @@ void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
       fault_ = "refuses: " + words;
       return;
     case Stage::kVersion:
-      return TakeVersion(text, now_ns, out);
+      return HandleVersion(text, now_ns, out);
     case Stage::kGeneral:
       Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
       return Enter(Stage::kSpace, now_ns, out);

@@ -59,8 +59,8 @@ class Actor {
   std::int64_t seen_ns() const { return seen_ns_; }
   const std::string& performer() const { return stream_.performer(); }
 
-  void Take(const rokoko::Actor& actor, const PropList& props, double time_s, std::int64_t now_ns,
-            Outbox& out) {
+  void Handle(const rokoko::Actor& actor, const PropList& props, double time_s, std::int64_t now_ns,
+              Outbox& out) {
     seen_ns_ = now_ns;
     const Joints usable = Usable(actor);
     if (!stream_.has_body() && !usable[kHip]) return out.Refuse(Counter::kSourceIncomplete);
@@ -173,8 +173,8 @@ class Rokoko final : public Translator {
       : unnamed_(config.performer.empty() ? config.name : config.performer),
         presets_(config.expressions == "vrm") {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (decoder_.Decode(datagram, frame_) != rokoko::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
@@ -187,7 +187,8 @@ class Rokoko final : public Translator {
       if (actor == nullptr) {
         out.Refuse(Counter::kPipelinePerformersRefused);
       } else {
-        actor->Take(frame_.actors[static_cast<std::size_t>(k)], props_, frame_.time_s, now_ns, out);
+        actor->Handle(frame_.actors[static_cast<std::size_t>(k)], props_, frame_.time_s, now_ns,
+                      out);
       }
     }
   }
@@ -230,10 +231,10 @@ class Rokoko final : public Translator {
   std::string FreeName(std::string_view name, std::uint64_t peer) const {
     std::string free = name.empty() ? unnamed_ : MakeName(name);
     const std::string stem = free.substr(0, 28);
-    for (int i = 2; Taken(free, peer); ++i) free = stem + "-" + std::to_string(i);
+    for (int i = 2; IsInUse(free, peer); ++i) free = stem + "-" + std::to_string(i);
     return free;
   }
-  bool Taken(const std::string& name, std::uint64_t peer) const {
+  bool IsInUse(const std::string& name, std::uint64_t peer) const {
     return std::any_of(actors_.begin(), actors_.end(), [&](const auto& other) {
       return other->peer() == peer && other->performer() == name;
     });

@@ -77,8 +77,8 @@ class SlimeVr final : public Translator {
     has_table_ = !devices_.empty();
   }
 
-  void Take(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (slimevr::Decode(bytes, datagram_) != slimevr::UdpResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
@@ -176,7 +176,7 @@ class SlimeVr final : public Translator {
   void RefuseTakeover(const Device& live, std::uint64_t address, const Peer& peer,
                       std::int64_t now_ns, Outbox& out) {
     out.Refuse(Counter::kSourceTakeovers);
-    const std::uint64_t times = takeover_notes_.Take(now_ns);
+    const std::uint64_t times = takeover_notes_.Count(now_ns);
     if (times == 0) return;
     out.Note([&] {
       return "tracker " + slimevr::ToText({live.address, 0}) + " is live at " +
@@ -205,7 +205,7 @@ class SlimeVr final : public Translator {
 
   void SayFull(std::uint64_t address, const Peer& peer, std::int64_t now_ns, Outbox& out) {
     out.Refuse(Counter::kSourceTableFull);
-    const std::uint64_t times = full_notes_.Take(now_ns);
+    const std::uint64_t times = full_notes_.Count(now_ns);
     if (times == 0) return;
     out.Note([&] {
       return "there is room for " + std::to_string(kMaxDevices) +
@@ -228,7 +228,7 @@ class SlimeVr final : public Translator {
       return false;
     }
     if (number < device.number_before_greeting) {
-      if (const std::uint64_t times = restart_notes_.Take(now_ns)) {
+      if (const std::uint64_t times = restart_notes_.Count(now_ns)) {
         out.Note([&] {
           return "tracker " + slimevr::ToText({device.address, 0}) +
                  " was switched on again: its heading is lost until the next reset" + Times(times);
@@ -272,7 +272,7 @@ class SlimeVr final : public Translator {
                        std::int64_t now_ns, Outbox& out) {
     const int part = device.parts[sensor];
     if (part < 0) return out.Refuse(Counter::kSourceIgnored);
-    rig_.Take(body::Joint(part), orientation, now_ns);
+    rig_.Accept(body::Joint(part), orientation, now_ns);
   }
 
   // If the configuration names trackers, buttons of all others are ignored.
@@ -290,7 +290,7 @@ class SlimeVr final : public Translator {
       default:
         return out.Refuse(Counter::kSourceIgnored);
     }
-    if ((has_table_ && !device.configured) || buttons_.Take(now_ns) == 0) {
+    if ((has_table_ && !device.configured) || buttons_.Count(now_ns) == 0) {
       return out.Refuse(Counter::kSourceIgnored);
     }
     out.LeaveHotSection();
@@ -303,7 +303,7 @@ class SlimeVr final : public Translator {
   void Complain(Device& device, const slimevr::Error& error, std::int64_t now_ns, Outbox& out) {
     if (device.complained) return;
     device.complained = true;
-    const std::uint64_t times = error_notes_.Take(now_ns);
+    const std::uint64_t times = error_notes_.Count(now_ns);
     if (times == 0) return;
     out.Note([&] {
       return "tracker " + slimevr::ToText({device.address, error.sensor}) + " reports error " +

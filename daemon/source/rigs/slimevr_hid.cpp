@@ -32,8 +32,8 @@ class SlimeVrHid final : public Translator {
     receivers_.reserve(kMaxReceivers);
   }
 
-  void Take(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (slimevr::DecodeReport(bytes, report_) != slimevr::ReportResult::kOk || report_.count == 0) {
       return out.Refuse(Counter::kUsbBadReports);
     }
@@ -75,7 +75,7 @@ class SlimeVrHid final : public Translator {
     const slimevr::Orientation* orientation = slimevr::OrientationOf(record);
     if (orientation == nullptr) return;
     if (tracker.part == TrackerRig::kUnassigned) return out.Refuse(Counter::kSourceIgnored);
-    rig_.Take(body::Joint(tracker.part), *orientation, now_ns);
+    rig_.Accept(body::Joint(tracker.part), *orientation, now_ns);
   }
 
   TrackerRig rig_;

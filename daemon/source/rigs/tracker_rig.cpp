@@ -82,8 +82,8 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
                        Outbox& out) {
   const auto row = std::ranges::find(assigned_, id, &Known::id);
   if (row != assigned_.end()) {
-    if (!row->said) SayPart(id, row->part, now_ns, out);
-    row->said = true;
+    if (!row->logged) SayPart(id, row->part, now_ns, out);
+    row->logged = true;
     return row->part;
   }
   const auto found = std::ranges::find(known_, id, &Known::id);
@@ -106,7 +106,7 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
 }
 
 void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
-  const std::uint64_t times = part == kUnassigned ? strangers_.Take(now_ns) : 1;
+  const std::uint64_t times = part == kUnassigned ? strangers_.Count(now_ns) : 1;
   if (times == 0) return;
   out.Note([&] {
     return "tracker " + slimevr::ToText(id) +
@@ -114,24 +114,24 @@ void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t no
                                 : " is worn on " + PartName(part)) +
            (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : "");
   });
-  if (part != kUnassigned && !told_to_calibrate_) {
+  if (part != kUnassigned && !calibration_requested_) {
     out.Note([] {
       return "to be calibrated: a full reset, while the performer stands in a T-pose, looking "
              "ahead";
     });
-    told_to_calibrate_ = true;
+    calibration_requested_ = true;
   }
 }
 
 // The sensors' world is +Z up. A rotation by -90 degrees about x, as in SlimeVR's server, makes it
 // +Y up.
-void TrackerRig::Take(body::Joint part, const slimevr::Orientation& orientation,
-                      std::int64_t now_ns) noexcept {
+void TrackerRig::Accept(body::Joint part, const slimevr::Orientation& orientation,
+                        std::int64_t now_ns) noexcept {
   if (!orientation.usable) return;
   constexpr float kHalfRoot = 0.70710678F;
   const rig::Quat y_up_from_z_up(kHalfRoot, -kHalfRoot, 0, 0);
   const auto& q = orientation.rotation;
-  trackers_.Take(part, now_ns, (y_up_from_z_up * rig::Quat(q[3], q[0], q[1], q[2])).normalized());
+  trackers_.Add(part, now_ns, (y_up_from_z_up * rig::Quat(q[3], q[0], q[1], q[2])).normalized());
   stream_.Wake(now_ns);
 }
 

@@ -19,7 +19,7 @@ namespace styled::source {
 // One performer who carries SlimeVR's trackers, however their records arrive (UDP, or the receiver
 // on USB). Passes the records to the body solver and sends its poses at config.rate_hz, as body
 // "canonical" in metres: the rest pose until the first full reset, nothing while all trackers are
-// silent. Each reset starts a new session, because the pose jumps. Pipeline thread; Take and Tick
+// silent. Each reset starts a new session, because the pose jumps. Pipeline thread; Accept and Tick
 // do not allocate once the first frame was sent. Pinned by tests/unit/slimevr/tracker_rig_test.cpp.
 class TrackerRig {
  public:
@@ -35,8 +35,8 @@ class TrackerRig {
   // The addresses of the devices that the configuration names, each once.
   std::vector<std::uint64_t> ConfiguredDevices() const;
 
-  STYLED_REALTIME void Take(body::Joint part, const slimevr::Orientation& orientation,
-                            std::int64_t now_ns) noexcept;
+  STYLED_REALTIME void Accept(body::Joint part, const slimevr::Orientation& orientation,
+                              std::int64_t now_ns) noexcept;
   void Tick(std::int64_t now_ns, Outbox& out);
   std::int64_t NextDeadline_ns() const { return stream_.NextDeadline_ns(); }
 
@@ -48,7 +48,7 @@ class TrackerRig {
   struct Known {
     slimevr::TrackerId id;
     int part = kUnassigned;
-    bool said = false;  // the result was logged
+    bool logged = false;  // the result was logged
   };
   static constexpr std::size_t kMaxKnown = 256;
 
@@ -59,7 +59,7 @@ class TrackerRig {
   std::vector<Known> known_;     // trackers that are not configured; oldest first
   NoteLimit strangers_{kMaxKnown / 4};
   std::string note_;  // for the log
-  bool told_to_calibrate_ = false;
+  bool calibration_requested_ = false;
   rig::Trackers::Options options_;
   rig::Trackers trackers_;
   SolvedStream stream_;

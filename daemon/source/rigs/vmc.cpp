@@ -62,7 +62,7 @@ class Sender {
   std::int64_t seen_ns() const { return seen_ns_; }
   std::int64_t deadline_ns() const { return assembler_.deadline_ns(); }
 
-  void Take(std::span<const std::byte> datagram, std::int64_t now_ns, Outbox& out) {
+  void Handle(std::span<const std::byte> datagram, std::int64_t now_ns, Outbox& out) {
     if (assembler_.Begin(datagram, now_ns) != vmc::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
@@ -105,7 +105,7 @@ class Sender {
   BoneSet bones_ = 0;          // the body's bones
   BoneSet before_ = 0;         // the last frame's bones
   BonePositions positions_{};  // each bone's last position
-  BonePositions told_{};       // the same when the body was made
+  BonePositions logged_{};     // the same when the body was made
   int moved_frames_ = 0;
   Vec3 root_position_ = Vec3::Zero(), hips_position_ = Vec3::Zero();
   Quat root_rotation_ = Quat::Identity();
@@ -156,7 +156,7 @@ void Sender::Remember(const vmc::Frame& frame) {
     const auto& position = frame.transforms[at].position;
     if (!ToVec3(position).allFinite()) continue;
     if (bone != vmc::kHips && vmc::Has(bones_, bone)) {
-      moved = moved || Distance(position, told_[at]) > kMoved_m;
+      moved = moved || Distance(position, logged_[at]) > kMoved_m;
       steady = steady && Distance(position, positions_[at]) < kSteady_m;
     }
     positions_[at] = position;
@@ -192,7 +192,7 @@ BoneSet Sender::Wanted(const vmc::Frame& frame) {
 void Sender::SetBody(BoneSet bones, Outbox& out) {
   out.LeaveHotSection();
   bones_ = bones;
-  told_ = positions_;
+  logged_ = positions_;
   moved_frames_ = 0;
   stream_.SetBody(MakeVmcBody(bones, positions_), out);
   stream_.ReserveFace();
@@ -275,10 +275,10 @@ class Vmc final : public Translator {
                 config.Merges("leftFingers") || config.Merges("rightFingers")},
         devices_(config) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     for (const auto& sender : senders_) {
-      if (sender->peer() == peer.id) return sender->Take(datagram, now_ns, out);
+      if (sender->peer() == peer.id) return sender->Handle(datagram, now_ns, out);
     }
     if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
@@ -289,13 +289,13 @@ class Vmc final : public Translator {
     if (!useful) {
       const bool alone = !merged_.face && !merged_.fingers;
       const bool devices = devices_.IsSender(peer.id) || VmcDevices::HasDevice(datagram);
-      if (devices && alone) return devices_.Take(datagram, peer.id, now_ns, out);
+      if (devices && alone) return devices_.Handle(datagram, peer.id, now_ns, out);
       return out.Refuse(Counter::kSourceIgnored);
     }
     Sender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
     devices_.Forget(peer.id);
-    sender->Take(datagram, now_ns, out);
+    sender->Handle(datagram, now_ns, out);
   }
 
   void Tick(std::int64_t now_ns, Outbox& out) override {

@@ -59,8 +59,8 @@ bool VmcDevices::IsOld(float time_s, Outbox& out) {
   return false;
 }
 
-void VmcDevices::Take(std::span<const std::byte> datagram, std::uint64_t peer, std::int64_t now_ns,
-                      Outbox& out) {
+void VmcDevices::Handle(std::span<const std::byte> datagram, std::uint64_t peer,
+                        std::int64_t now_ns, Outbox& out) {
   if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
@@ -90,10 +90,10 @@ void VmcDevices::Take(std::span<const std::byte> datagram, std::uint64_t peer, s
     if (result != vmc::DecodeResult::kOk) return out.Refuse(Counter::kSourceMalformed);
     if (!proven) return;
     const bool is_head = device.kind == vmc::Device::Kind::kHmd;
-    rig_.Take({.name = device.serial,
-               .usual_part = is_head ? int{body::kHead} : devices::Seen::kUnknown,
-               .is_head = is_head},
-              FromUnity(device.transform), peer, now_ns, out);
+    rig_.Accept({.name = device.serial,
+                 .usual_part = is_head ? int{body::kHead} : devices::Seen::kUnknown,
+                 .is_head = is_head},
+                FromUnity(device.transform), peer, now_ns, out);
   });
 }
 

@@ -25,8 +25,8 @@ class VmcDevices {
 
   // Accepts a datagram of a sender without bones. A second such sender is refused until the first
   // has been silent for DeviceRig::kSilent_ns.
-  void Take(std::span<const std::byte> datagram, std::uint64_t peer, std::int64_t now_ns,
-            Outbox& out);
+  void Handle(std::span<const std::byte> datagram, std::uint64_t peer, std::int64_t now_ns,
+              Outbox& out);
   // The sender sent bones, so it is not an assistant.
   void Forget(std::uint64_t peer) {
     if (IsSender(peer)) peer_ = 0;

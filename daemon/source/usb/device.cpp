@@ -55,10 +55,10 @@ Status Device::Claim() {
 }
 
 void Device::OnTransfer(libusb_transfer* transfer) {
-  static_cast<Device*>(transfer->user_data)->Take(*transfer);
+  static_cast<Device*>(transfer->user_data)->Complete(*transfer);
 }
 
-void Device::Take(libusb_transfer& transfer) {
+void Device::Complete(libusb_transfer& transfer) {
   --under_way_;
   // A cancelled or failed transfer may have delivered bytes; an empty one ended a burst.
   if (transfer.actual_length > 0) {

@@ -57,7 +57,7 @@ class Device {
          runtime::Counters& counters);
   Status Claim();
   static void OnTransfer(libusb_transfer* transfer);
-  void Take(libusb_transfer& transfer);
+  void Complete(libusb_transfer& transfer);
   void Fail(State next);
   bool Submit(libusb_transfer& transfer);
   void SubmitAll();

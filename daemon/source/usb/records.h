@@ -26,7 +26,7 @@ class Records {
   // Decodes the records that the transfer completes, and passes their frames to `receiver`.
   // Allocates only for a new device. Beyond 16 devices, the one that was silent for longest is
   // removed, with its incomplete record.
-  void Take(const Reports::Report& report, Receiver& receiver);
+  void Decode(const Reports::Report& report, Receiver& receiver);
   std::uint64_t received() const { return received_; }
 
  private:

@@ -135,22 +135,22 @@ void UnpoolTime(const RowKernels& kernels, const float* x, int frames, std::size
 
 }  // namespace
 
-Dense TakeDense(TensorReader& tensors, const std::string& name, int rows, int columns) {
+Dense ReadDense(TensorReader& tensors, const std::string& name, int rows, int columns) {
   return {tensors.Matrix(name + ".weight", rows, columns), tensors.Vector(name + ".bias", rows)};
 }
 
-EncoderBlock TakeEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
+EncoderBlock ReadEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
                          bool normalized) {
-  EncoderBlock block{layers.TakeEncoder(name, level, in, out, 2), {}, {}, {}, {}};
-  if (normalized) block.norm1 = layers.TakeNorm(name + ".norm1", in);
+  EncoderBlock block{layers.ReadEncoder(name, level, in, out, 2), {}, {}, {}, {}};
+  if (normalized) block.norm1 = layers.ReadNorm(name + ".norm1", in);
   block.time1 = TakeTime(layers.tensors(), name + ".tconv1", in, 1);
-  if (normalized) block.norm2 = layers.TakeNorm(name + ".norm2", in);
+  if (normalized) block.norm2 = layers.ReadNorm(name + ".norm2", in);
   block.time2 = TakeTime(layers.tensors(), name + ".tconv2", out, kPathShare);
   return block;
 }
 
-DecoderBlock TakeDecoder(LayerReader& layers, const std::string& name, int level, int in, int out) {
-  DecoderBlock block{layers.TakeDecoder(name, level, in, out), {}, {}, {}, {}};
+DecoderBlock ReadDecoder(LayerReader& layers, const std::string& name, int level, int in, int out) {
+  DecoderBlock block{layers.ReadDecoder(name, level, in, out), {}, {}, {}, {}};
   block.adain1 = TakeAdaIn(layers.tensors(), name + ".adain1", in);
   block.time1 = TakeTime(layers.tensors(), name + ".tconv1", out, 1);
   block.adain2 = TakeAdaIn(layers.tensors(), name + ".adain2", out);

@@ -41,12 +41,12 @@ struct Dense {
   Eigen::VectorXf Apply(const Eigen::VectorXf& x) const { return weight * x + bias; }
 };
 
-Dense TakeDense(net::TensorReader& tensors, const std::string& name, int rows, int columns);
+Dense ReadDense(net::TensorReader& tensors, const std::string& name, int rows, int columns);
 // From `level` to the coarser one.
-EncoderBlock TakeEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
+EncoderBlock ReadEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
                          bool normalized);
 // From the coarser level to `level`.
-DecoderBlock TakeDecoder(LayerReader& layers, const std::string& name, int level, int in, int out);
+DecoderBlock ReadDecoder(LayerReader& layers, const std::string& name, int level, int in, int out);
 
 // The standardized features of `clip`, filled up with its last frame to `frames`, through the input
 // layer. Returns [frames, 21, width], in the scratch.

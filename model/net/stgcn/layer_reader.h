@@ -25,7 +25,7 @@ struct Standardization {
   Features mean, deviation, inverse_deviation;
 };
 // Deviations must be usable as divisors. The hemispheres of `features` become the mean rotations.
-Standardization TakeStandardization(net::TensorReader& tensors, FeatureParameters& features,
+Standardization ReadStandardization(net::TensorReader& tensors, FeatureParameters& features,
                                     net::Faults& faults);
 
 // A matrix, or one term of several, in the order of the kernels.
@@ -38,19 +38,19 @@ class LayerReader {
   explicit LayerReader(net::TensorReader& tensors) : tensors_(tensors) {}
 
   // A 1 x 1 convolution of every node; with `nodes` above 0, and a bias of each node.
-  Linear TakeLinear(const std::string& name, int out, int in, int nodes);
-  Norm TakeNorm(const std::string& name, int channels);
+  Linear ReadLinear(const std::string& name, int out, int in, int nodes);
+  Norm ReadNorm(const std::string& name, int channels);
   // How a block handles nodes from `level` to the coarser one, or from the coarser one to `level`.
   // The skip path of the former pools this many frames.
-  EncoderNodes TakeEncoder(const std::string& name, int level, int in, int out, int frames);
-  DecoderNodes TakeDecoder(const std::string& name, int level, int in, int out);
+  EncoderNodes ReadEncoder(const std::string& name, int level, int in, int out, int frames);
+  DecoderNodes ReadDecoder(const std::string& name, int level, int in, int out);
   net::TensorReader& tensors() { return tensors_; }
 
  private:
-  GraphConv TakeGraph(const std::string& name, int out, int in,
+  GraphConv ReadGraph(const std::string& name, int out, int in,
                       const std::array<Eigen::MatrixXf, kLabelCount>& mixing,
                       const Eigen::MatrixXf& pooling);
-  net::PackedColumns TakeSkip(const std::string& name, int out, int in);
+  net::PackedColumns ReadSkip(const std::string& name, int out, int in);
 
   net::TensorReader& tensors_;
 };

@@ -61,9 +61,9 @@ std::vector<int> WindowBegins(std::size_t frames) {
 
 StyleEncoder::StyleEncoder(LayerReader& layers, int width, int domains) {
   const int trunk = 4 * width;
-  in_ = layers.TakeLinear("e.in", width, kChannels, kNodes[0]);
-  blocks_[0] = TakeEncoder(layers, "e.res1", 0, width, 2 * width, false);
-  blocks_[1] = TakeEncoder(layers, "e.res2", 1, 2 * width, trunk, false);
+  in_ = layers.ReadLinear("e.in", width, kChannels, kNodes[0]);
+  blocks_[0] = ReadEncoder(layers, "e.res1", 0, width, 2 * width, false);
+  blocks_[1] = ReadEncoder(layers, "e.res2", 1, 2 * width, trunk, false);
   conv_ = TakeConv(layers.tensors(), trunk);
   const RowMajor heads = layers.tensors().Tensor("e.heads.weight", {domains, kCode, trunk});
   const RowMajor bias = layers.tensors().Matrix("e.heads.bias", domains, kCode);
@@ -71,7 +71,7 @@ StyleEncoder::StyleEncoder(LayerReader& layers, int width, int domains) {
     heads_.push_back({Eigen::Map<const RowMajor>(heads.row(domain).data(), kCode, trunk),
                       bias.row(domain).transpose()});
   }
-  heads_.push_back(TakeDense(layers.tensors(), "e.free", kCode, trunk));
+  heads_.push_back(ReadDense(layers.tensors(), "e.free", kCode, trunk));
 }
 
 Code StyleEncoder::Encode(const RowKernels& kernels, const Standardization& standard,

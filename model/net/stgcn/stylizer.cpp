@@ -48,7 +48,7 @@ class StgcnStream final : public net::ClipStream {
     if (!frames_.empty()) RunWindow(frames_.size(), frames_.size());
   }
 
-  bool Take(Prediction& out) override {
+  bool Pop(Prediction& out) override {
     if (done_.empty()) return false;
     out = done_.front();
     done_.pop_front();

@@ -63,11 +63,11 @@ class BlockReader {
  public:
   BlockReader(LayerReader& layers, Layout& layout) : layers_(layers), layout_(layout) {}
 
-  EncoderBlock TakeEncoder(const std::string& name, int level, int in, int out, int spacing) {
-    EncoderBlock block{layers_.TakeEncoder(name, level, in, out, 1), {}, {}, {}, {}, {}, {}};
+  EncoderBlock ReadEncoder(const std::string& name, int level, int in, int out, int spacing) {
+    EncoderBlock block{layers_.ReadEncoder(name, level, in, out, 1), {}, {}, {}, {}, {}, {}};
     const int wide = block.graph1.in_nodes(), nodes = block.graph1.out_nodes();
-    block.affine1 = layers_.TakeNorm(name + ".norm1", in);
-    block.affine2 = layers_.TakeNorm(name + ".norm2", in);
+    block.affine1 = layers_.ReadNorm(name + ".norm1", in);
+    block.affine2 = layers_.ReadNorm(name + ".norm2", in);
     block.norm1 = TakePast(name + ".norm1", in, Equal(wide), 1);
     block.norm2 = TakePast(name + ".norm2", in, Equal(nodes), 1);
     block.time1 = TakeTime(name + ".tconv1", in, 1, spacing, nodes, 1);
@@ -75,8 +75,8 @@ class BlockReader {
     return block;
   }
 
-  DecoderBlock TakeDecoder(const std::string& name, int level, int in, int out, int spacing) {
-    DecoderBlock block{layers_.TakeDecoder(name, level, in, out), 0, 0, {}, {}, {}, {}};
+  DecoderBlock ReadDecoder(const std::string& name, int level, int in, int out, int spacing) {
+    DecoderBlock block{layers_.ReadDecoder(name, level, in, out), 0, 0, {}, {}, {}, {}};
     const int nodes = block.graph1.in_nodes(), wide = block.graph2.out_nodes();
     block.norm1 = TakePast(name + ".adain1", in, Equal(nodes), kDecodings);
     block.norm2 = TakePast(name + ".adain2", out, block.cluster_sizes, kDecodings);
@@ -122,12 +122,12 @@ class ScratchSizes {
     skip_ = std::max(skip_, kDecodings * Size(first.in_nodes(), block.out));
   }
   void TakeFrom(Layout& layout, Scratch& scratch) const {
-    scratch.affine = layout.Take(2 * channels_);
-    scratch.sums = layout.Take(2 * channels_);
-    scratch.activated = layout.Take(activated_);
-    scratch.between = layout.Take(between_);
-    scratch.skip = layout.Take(skip_);
-    scratch.graph = layout.Take(graph_);
+    scratch.affine = layout.Reserve(2 * channels_);
+    scratch.sums = layout.Reserve(2 * channels_);
+    scratch.activated = layout.Reserve(activated_);
+    scratch.between = layout.Reserve(between_);
+    scratch.skip = layout.Reserve(skip_);
+    scratch.graph = layout.Reserve(graph_);
   }
 
  private:
@@ -183,7 +183,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   net::TensorReader tensors(file.view, faults);
   LayerReader layers(tensors);
   const stgcn::Standardization standard =
-      stgcn::TakeStandardization(tensors, network->features_, faults);
+      stgcn::ReadStandardization(tensors, network->features_, faults);
   if (!faults.none()) return faults.status();
   const auto copy = [](const stgcn::Features& from, net::AlignedFloats& to) {
     to.Grow(kFeatureCount);
@@ -195,12 +195,12 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
 
   Layout layout;
   BlockReader blocks(layers, layout);
-  w.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
-  w.encoder[0] = blocks.TakeEncoder("g.enc1", 0, width, 2 * width, spacing[0]);
-  w.encoder[1] = blocks.TakeEncoder("g.enc2", 1, 2 * width, 4 * width, spacing[1]);
-  w.decoder[0] = blocks.TakeDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
-  w.decoder[1] = blocks.TakeDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
-  w.out = layers.TakeLinear("g.out", kChannels, width, 0);
+  w.in = layers.ReadLinear("g.in", width, kChannels, kNodes[0]);
+  w.encoder[0] = blocks.ReadEncoder("g.enc1", 0, width, 2 * width, spacing[0]);
+  w.encoder[1] = blocks.ReadEncoder("g.enc2", 1, 2 * width, 4 * width, spacing[1]);
+  w.decoder[0] = blocks.ReadDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
+  w.decoder[1] = blocks.ReadDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
+  w.out = layers.ReadLinear("g.out", kChannels, width, 0);
   w.points = std::make_unique<const PointSpace>(layers, width);
   for (std::size_t i = 0; i < w.decoder.size(); ++i) {
     w.decoder[i].adain1 = w.points->norm(2 * i);
@@ -229,13 +229,13 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   constexpr auto kNode = [](int level) {
     return static_cast<std::size_t>(kNodes[static_cast<std::size_t>(level)]);
   };
-  s.standardized = layout.Take(kFeatureCount);
-  s.points = layout.Take(kDecodings * w.points->size());
-  s.in = layout.Take(kNode(0) * wide);
-  s.encoded = {layout.Take(kNode(1) * 2 * wide), layout.Take(kNode(2) * 4 * wide)};
-  s.decoded = {layout.Take(kDecodings * kNode(1) * 2 * wide),
-               layout.Take(kDecodings * kNode(0) * wide)};
-  s.out = layout.Take(kDecodings * kNode(0) * static_cast<std::size_t>(w.out.weight.columns()));
+  s.standardized = layout.Reserve(kFeatureCount);
+  s.points = layout.Reserve(kDecodings * w.points->size());
+  s.in = layout.Reserve(kNode(0) * wide);
+  s.encoded = {layout.Reserve(kNode(1) * 2 * wide), layout.Reserve(kNode(2) * 4 * wide)};
+  s.decoded = {layout.Reserve(kDecodings * kNode(1) * 2 * wide),
+               layout.Reserve(kDecodings * kNode(0) * wide)};
+  s.out = layout.Reserve(kDecodings * kNode(0) * static_cast<std::size_t>(w.out.weight.columns()));
   sizes.TakeFrom(layout, s);
   w.state_size = layout.size();
   return std::shared_ptr<const Network>(network);

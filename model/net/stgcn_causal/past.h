@@ -22,7 +22,7 @@ inline constexpr int kTaps = 3;
 class Layout {
  public:
   // At a 64-byte boundary.
-  std::size_t Take(std::size_t floats) {
+  std::size_t Reserve(std::size_t floats) {
     const std::size_t place = size_;
     size_ += (floats + net::kRowPanel - 1) / net::kRowPanel * net::kRowPanel;
     return place;

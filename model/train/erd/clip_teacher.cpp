@@ -33,7 +33,7 @@ ClipTeacher::OfClip ClipTeacher::Changed(const net::ClipStylizer& network, const
   OfClip out;
   net::Prediction prediction;
   for (const body::Pose& pose : clip.poses) {
-    if (!stream->Take(prediction)) break;
+    if (!stream->Pop(prediction)) break;
     auto& output = out.by_output.emplace_back();
     auto& change = out.by_change.emplace_back();
     for (int joint = 0; joint < body::kJointCount; ++joint) {

@@ -128,7 +128,7 @@ std::string ToString(std::string_view text) {
 
 bool IsGreeting(std::string_view text) noexcept { return StartsWithFolded(text, kGreeting); }
 
-bool TakesVersion(std::string_view text) noexcept {
+bool AcceptsVersion(std::string_view text) noexcept {
   return StartsWithFolded(text, "Version set to");
 }
 

@@ -101,7 +101,7 @@ std::string ToString(std::string_view text);
 // Whether a server's text, in any case of letters, greets a client, or accepts the requested
 // version.
 STYLED_REALTIME bool IsGreeting(std::string_view text) noexcept;
-STYLED_REALTIME bool TakesVersion(std::string_view text) noexcept;
+STYLED_REALTIME bool AcceptsVersion(std::string_view text) noexcept;
 inline constexpr std::string_view kGreeting = "QTM RT Interface connected";
 
 // Each writes a packet to the front of `out` and returns its size; 0 if it does not fit. The

@@ -19,7 +19,7 @@ class Reader {
   bool ok() const noexcept { return ok_; }
   std::size_t left() const noexcept { return bytes_.size(); }
 
-  std::span<const std::byte> Take(std::size_t size) noexcept {
+  std::span<const std::byte> Consume(std::size_t size) noexcept {
     if (size > bytes_.size()) {
       ok_ = false;
       bytes_ = {};
@@ -32,7 +32,7 @@ class Reader {
   template <typename T>
   T Number() noexcept {
     std::uint64_t value = 0;
-    for (const std::byte b : Take(sizeof(T))) value = value << 8U | std::to_integer<unsigned>(b);
+    for (const std::byte b : Consume(sizeof(T))) value = value << 8U | std::to_integer<unsigned>(b);
     return static_cast<T>(value);
   }
   // Returns `otherwise` if fewer bytes are left than the number has.
@@ -56,7 +56,7 @@ class Reader {
   }
   float Fixed(float one) noexcept { return static_cast<float>(Number<std::int16_t>()) / one; }
   std::string_view Text(std::size_t size) noexcept {
-    const auto bytes = Take(size);
+    const auto bytes = Consume(size);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
 
@@ -70,11 +70,11 @@ Handshake ReadHandshake(Reader& in) noexcept {
   h.board = in.NumberOr<std::uint32_t>(0);
   h.imu = in.NumberOr<std::uint32_t>(0);
   h.mcu = in.NumberOr<std::uint32_t>(0);
-  if (in.left() >= 12) in.Take(12);  // IMU fields that are not used any more
+  if (in.left() >= 12) in.Consume(12);  // IMU fields that are not used any more
   h.protocol = in.NumberOr<std::uint32_t>(0);
   h.firmware = in.Text(in.NumberOr<std::uint8_t>(0));
   if (in.left() >= h.mac.size()) {
-    const auto mac = in.Take(h.mac.size());
+    const auto mac = in.Consume(h.mac.size());
     std::memcpy(h.mac.data(), mac.data(), mac.size());
   }
   h.tracker_type = in.NumberOr<std::uint8_t>(0);
@@ -202,7 +202,7 @@ UdpResult ReadPackets(std::uint32_t type, Reader& in, int depth, Datagram& datag
     if (!in.ok()) return UdpResult::kTooShort;
     if (length == 0) continue;
     // A length that exceeds the bundle is cut, as the server does.
-    Reader inner(in.Take(std::min(length, in.left())));
+    Reader inner(in.Consume(std::min(length, in.left())));
     const std::uint32_t inner_type = compact ? inner.U8() : inner.Number<std::uint32_t>();
     if (!inner.ok()) return UdpResult::kTooShort;
     const UdpResult result = ReadPackets(inner_type, inner, depth + 1, datagram);
@@ -254,7 +254,7 @@ UdpResult DecodeAnswer(std::span<const std::byte> bytes, Answer& answer) noexcep
     answer = ack;
     return UdpResult::kOk;
   }
-  in.Take(8);
+  in.Consume(8);
   if (!in.ok()) return UdpResult::kTooShort;
   Answer read;
   switch (type) {

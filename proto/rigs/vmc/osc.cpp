@@ -117,7 +117,7 @@ Reader::Step Reader::Fail(Result why) noexcept {
 }
 
 // Reads a message, or opens a bundle. kEnd means a bundle was opened and there is no message yet.
-Reader::Step Reader::TakeElement(std::span<const std::byte> element, Message& message) noexcept {
+Reader::Step Reader::EnterElement(std::span<const std::byte> element, Message& message) noexcept {
   if (element.size() % 4 != 0) return Fail(Result::kBadSize);
   if (element.size() >= kBundle.size() &&
       std::memcmp(element.data(), kBundle.data(), kBundle.size()) == 0) {
@@ -137,7 +137,7 @@ Reader::Step Reader::Next(Message& message) noexcept {
     const auto datagram = rest_[0];
     if (datagram.empty()) return Fail(Result::kTooShort);
     if (datagram.size() > kMaxDatagramSize) return Fail(Result::kTooLong);
-    const Step step = TakeElement(datagram, message);
+    const Step step = EnterElement(datagram, message);
     if (step != Step::kEnd) return step;
   }
   while (depth_ > 0) {
@@ -152,7 +152,7 @@ Reader::Step Reader::Next(Message& message) noexcept {
     const auto element = rest.subspan(4, size);
     if (size % 4 != 0) return Fail(Result::kBadSize);
     rest = rest.subspan(4 + size);
-    const Step step = TakeElement(element, message);
+    const Step step = EnterElement(element, message);
     if (step != Step::kEnd) return step;
   }
   return Step::kEnd;
@@ -166,7 +166,7 @@ Result Check(std::span<const std::byte> datagram) noexcept {
   return reader.result();
 }
 
-bool Arguments::Take(char type, std::uint32_t& word) noexcept {
+bool Arguments::ReadWord(char type, std::uint32_t& word) noexcept {
   if (types_.empty() || types_.front() != type) return false;
   word = Word(bytes_);
   bytes_ = bytes_.subspan(4);
@@ -176,14 +176,14 @@ bool Arguments::Take(char type, std::uint32_t& word) noexcept {
 
 bool Arguments::Int(std::int32_t& value) noexcept {
   std::uint32_t word = 0;
-  if (!Take('i', word)) return false;
+  if (!ReadWord('i', word)) return false;
   value = static_cast<std::int32_t>(word);
   return true;
 }
 
 bool Arguments::Float(float& value) noexcept {
   std::uint32_t word = 0;
-  if (!Take('f', word)) return false;
+  if (!ReadWord('f', word)) return false;
   value = std::bit_cast<float>(word);
   return true;
 }

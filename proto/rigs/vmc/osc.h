@@ -57,7 +57,7 @@ class Reader {
   Result result() const noexcept { return result_; }
 
  private:
-  Step TakeElement(std::span<const std::byte> element, Message& message) noexcept;
+  Step EnterElement(std::span<const std::byte> element, Message& message) noexcept;
   Step Fail(Result why) noexcept;
 
   Result result_ = Result::kOk;
@@ -83,7 +83,7 @@ class Arguments {
   bool AtEnd() const noexcept { return types_.empty(); }
 
  private:
-  bool Take(char type, std::uint32_t& word) noexcept;
+  bool ReadWord(char type, std::uint32_t& word) noexcept;
 
   std::string_view types_;
   std::span<const std::byte> bytes_;

@@ -337,7 +337,7 @@ void RawSubscribers::Begin() {
   storing_ = true;
 }
 
-RawResult RawSubscribers::Take(double drain_s) {
+RawResult RawSubscribers::Collect(double drain_s) {
   const std::int64_t end = Monotonic_ns();
   std::this_thread::sleep_for(std::chrono::duration<double>(drain_s));
   const std::scoped_lock lock(mutex_);

@@ -53,7 +53,7 @@ class RawSubscribers {
   // Frames published from now on are stored until Take.
   void Begin();
   // Waits `drain_s` for frames on their way, and returns those published until the call.
-  RawResult Take(double drain_s = 1);
+  RawResult Collect(double drain_s = 1);
 
  private:
   struct Socket;

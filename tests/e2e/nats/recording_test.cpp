@@ -26,7 +26,7 @@ struct Outcome {
 };
 
 // By topic, then epoch and sequence, the bytes of frames; and the bodies.
-struct Taken {
+struct Recorded {
   std::map<std::string, std::map<std::pair<std::uint64_t, std::uint64_t>, std::string>> frames;
   std::map<std::string, std::vector<std::int64_t>> times_ns;  // of the frames, by topic
   std::set<std::string> bodies, topics;
@@ -35,8 +35,8 @@ struct Taken {
   std::int64_t first_ns = 0, last_ns = 0;
 };
 
-Taken Take(const std::string& file) {
-  Taken taken;
+Recorded Read(const std::string& file) {
+  Recorded taken;
   auto reader = recording::Reader::Open(file);
   if (!reader.ok()) {
     ADD_FAILURE() << reader.status().message();
@@ -150,7 +150,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
   const Outcome fetched = Stylerec("viewer", {"fetch", "--site", "hall", file});
   ASSERT_EQ(fetched.code, 0) << fetched.err << servers_.Log();
   std::cout << fetched.out;
-  const Taken original = Take(beside), taken = Take(file);
+  const Recorded original = Read(beside), taken = Read(file);
   EXPECT_THAT(taken.topics,
               testing::UnorderedElementsAre("body/rig.a/", "body/rig.b/", "styled/rig.a/rig/",
                                             "styled/rig.b/rig/", "styled/rig.a/canonical/",
@@ -179,7 +179,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
   const Outcome second = Stylerec("operator", {"fetch", "--site", "studio", studio_file});
   ASSERT_EQ(second.code, 0) << second.err;
   EXPECT_THAT(
-      Take(studio_file).topics,
+      Read(studio_file).topics,
       testing::UnorderedElementsAre("body/rig.c/", "styled/rig.c/rig/", "styled/rig.c/canonical/"));
   std::ostringstream out, err;
   EXPECT_EQ(rec::Run({"export", studio_file, "--performer", "rig.c", "--out", bvh},
@@ -196,7 +196,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
       Stylerec("viewer", {"fetch", "--site", "hall", "--performer", "rig.b", "--from",
                           rec::TimeText(from_ns), "--to", rec::TimeText(middle_ns), part});
   ASSERT_EQ(span.code, 0) << span.err;
-  const Taken some = Take(part);
+  const Recorded some = Read(part);
   EXPECT_EQ(some.without_body, 0U);
   EXPECT_THAT(some.topics, testing::UnorderedElementsAre("body/rig.b/", "styled/rig.b/rig/",
                                                          "styled/rig.b/canonical/"));

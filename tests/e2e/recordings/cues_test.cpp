@@ -65,7 +65,7 @@ class CuesOverARecordingTest : public RecordingsTest {
     EXPECT_EQ(Run({"play", file, "--to", "udp://" + daemon.udp, "--speed", "max", "--control",
                    daemon.control}),
               0)
-        << said_;
+        << output_;
     EXPECT_TRUE(subscriber.WaitForFrames(kFrames, kStyled)) << daemon.Log();
     EXPECT_EQ(control.Counter("pipeline.lost"), 0U);
     Switches switches;

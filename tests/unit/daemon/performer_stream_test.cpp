@@ -10,7 +10,7 @@ namespace {
 // One stream, and what its frames say.
 struct Fixture : support::Translated {
   struct Nothing final : Translator {
-    void Take(std::span<const std::byte>, const Peer&, std::int64_t, Outbox&) override {}
+    void Handle(std::span<const std::byte>, const Peer&, std::int64_t, Outbox&) override {}
   };
   Fixture() : Translated(std::make_unique<Nothing>()) {}
 

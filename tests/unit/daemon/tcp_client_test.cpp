@@ -47,9 +47,9 @@ struct Letters final : ServerTranslator {
     is_ready = false;
   }
   bool ready() const override { return is_ready; }
-  std::string TakeFault() override { return std::exchange(fault, {}); }
-  void Take(std::span<const std::byte> record, const Peer& peer, std::int64_t,
-            Outbox& out) override {
+  std::string NextFault() override { return std::exchange(fault, {}); }
+  void Handle(std::span<const std::byte> record, const Peer& peer, std::int64_t,
+              Outbox& out) override {
     const std::string text(reinterpret_cast<const char*>(record.data()) + 1, record.size() - 1);
     taken.push_back(text);
     is_ready = true;

@@ -48,7 +48,7 @@ class Worn {
     body::ForwardKinematics(pose, world);
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       const Reading reading = Read(i, world);
-      devices.Take(body::Joint(parts_[i]), now_ns, reading.position_m, reading.rotation);
+      devices.Add(body::Joint(parts_[i]), now_ns, reading.position_m, reading.rotation);
     }
   }
   std::vector<Seen> See(const body::Pose& pose) const {

@@ -57,7 +57,7 @@ TEST_F(DiagnoseTest, OfADaemonOnAnotherMachineOnlyCountersAreJudged) {
 TEST_F(DiagnoseTest, APortInForeignHandsIsNamedWithItsHolder) {
   machine_.NoDaemon();
   SourceFacts& source = machine_.Configured("mvn", "0.0.0.0:9763");
-  source.port->kind = PortState::Kind::kTaken;
+  source.port->kind = PortState::Kind::kInUse;
   source.holders = {{false, {"0.0.0.0", 9763}, 5, 0, 0, 321, "OtherReceiver"}};
   EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem port_taken suit");
   const std::string what = machine_.Findings()[1].what;

@@ -57,7 +57,7 @@ TEST_F(ProbeTest, LoopbackIsListed) {
 TEST_F(ProbeTest, APortThatIsHeldEverywhereIsTaken) {
   const Bound other("0.0.0.0");
   const PortState state = probe_.Open(false, other.port, false);
-  EXPECT_EQ(state.kind, PortState::Kind::kTaken);
+  EXPECT_EQ(state.kind, PortState::Kind::kInUse);
 }
 
 TEST_F(ProbeTest, BesideAPortHeldOnOneAddressTheOthersAreHeard) {

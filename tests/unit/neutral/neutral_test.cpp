@@ -125,7 +125,7 @@ TEST_F(NeutralTest, ThePoseThatTheNetworkSeesIsTheReferences) {
     const Pose held = AsStranger(pose);
     neutral_.Follow(held, 1.0F / 120, true, reference_);
     Pose seen;
-    neutral_.TakeOut(held, seen);
+    neutral_.RemoveCarriage(held, seen);
     EXPECT_EQ(seen.hips_position_m, held.hips_position_m);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       worst_rad = std::max(worst_rad, body::Angle_rad(seen.rotations[j], pose.rotations[j]));

@@ -244,8 +244,8 @@ TEST_F(CliTest, APerformerWhoIsNotThereIsSaidWithThoseWhoAre) {
   const std::jthread thread([&](const std::stop_token& token) {
     while (!token.stop_requested()) {
       daemon.value()->Idle();
-      EXPECT_TRUE(daemon.value()->Take(Published(0, "stats/", stats.SerializeAsString())).ok());
-      EXPECT_TRUE(daemon.value()->Take(Published(0, "body/rig.b/", "body")).ok());
+      EXPECT_TRUE(daemon.value()->Play(Published(0, "stats/", stats.SerializeAsString())).ok());
+      EXPECT_TRUE(daemon.value()->Play(Published(0, "body/rig.b/", "body")).ok());
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   });

@@ -54,7 +54,7 @@ class Disguised final : public net::ClipStylizer {
       owner_.most_waiting = std::max(owner_.most_waiting, waiting_.size());
     }
     void End() override { ended_ = true; }
-    bool Take(net::Prediction& out) override {
+    bool Pop(net::Prediction& out) override {
       const bool late =
           owner_.delay_ >= 0 && waiting_.size() > static_cast<std::size_t>(owner_.delay_);
       if (waiting_.empty() || (!ended_ && !late)) return false;

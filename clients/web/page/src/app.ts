@@ -12,7 +12,7 @@ import {
 } from 'styled-client';
 
 import { changeTo, sameLook, sameSetting, settingsOf, type Setting } from './looks.js';
-import type { Taken } from './names.js';
+import type { NamesInUse } from './names.js';
 import { UndoStack, type Step } from './undo.js';
 
 const LIST_MS = 10000; // other users may make and remove styles
@@ -94,7 +94,7 @@ export class App {
   info(name: string): StyleInfo | undefined {
     return this.list?.styles.find((style) => style.name === name);
   }
-  taken(): Taken {
+  taken(): NamesInUse {
     const styles = this.list?.styles ?? [];
     const fixed = styles.filter(({ made }) => !made).flatMap(({ name, aliases }) => [name, ...aliases]);
     return { made: new Set(styles.filter(({ made }) => made).map(({ name }) => name)),

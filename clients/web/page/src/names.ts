@@ -6,7 +6,7 @@ const ALLOWED = /^[A-Za-z0-9_-]{1,32}$/;
 const RESERVED = ['all', 'bypass', 'clear', 'cue', 'each', 'error', 'learn', 'like', 'none', 'panic', 'pin', 'preset', 'reset', 'unpin', 'vary'];
 
 /** Names in use: made styles may be replaced, others may not. */
-export interface Taken {
+export interface NamesInUse {
   made: ReadonlySet<string>;
   fixed: ReadonlySet<string>; // styles of the weights, their aliases, presets
 }
@@ -15,7 +15,7 @@ const same = (names: ReadonlySet<string>, name: string) =>
   [...names].some((other) => other.toLowerCase() === name.toLowerCase());
 
 /** A free name after a file's, without its folder and extension. */
-export function proposedName(file: string, taken: Taken): string {
+export function proposedName(file: string, taken: NamesInUse): string {
   const stem = file.split(/[\\/]/).pop()!.replace(/\.[^.]*$/, '');
   const plain = stem.normalize('NFKD').replace(/[\u0300-\u036f]/g, '')
     .replace(/[^A-Za-z0-9_-]+/g, '-').replace(/^-+|-+$/g, '').slice(0, LONGEST) || 'style';
@@ -28,7 +28,7 @@ export function proposedName(file: string, taken: Taken): string {
 }
 
 /** Why a new style cannot have this name, in a sentence; '' if it can. */
-export function nameFault(name: string, taken: Taken): string {
+export function nameFault(name: string, taken: NamesInUse): string {
   if (name === '') return 'The style needs a name.';
   if (name.length > LONGEST) return `A name has at most ${LONGEST} letters; this one has ${name.length}.`;
   if (!ALLOWED.test(name)) return 'A name has only letters A-Z a-z, digits, _ and -.';
@@ -38,7 +38,7 @@ export function nameFault(name: string, taken: Taken): string {
 }
 
 /** The style that a new one of this name would replace; '' if there is none. */
-export function replacedBy(name: string, taken: Taken): string {
+export function replacedBy(name: string, taken: NamesInUse): string {
   return taken.made.has(name) ? name : '';
 }
 

@@ -12,7 +12,7 @@ namespace styled::source {
 // Remembers which lines about a rig's server were logged, so that each is logged once while the
 // server is connected. Pipeline thread. Pinned by tests/unit/qtm and tests/unit/natnet,
 // translator_test.cpp.
-class SaidLines {
+class LoggedLines {
  public:
   // Whether a line is new; remembers it. False if there are too many, because a server's text may
   // differ each time. Allocates.
