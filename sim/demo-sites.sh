@@ -5,7 +5,7 @@
 # hall's frames to programs here, and sends a style there. After a third of the time the hall's leading
 # daemon is killed, after two thirds the hub, which is then restarted. At the end it reports the frames
 # that were recorded beside the daemons and at the viewer.
-#   --seconds N      record for so long (default 30, at least 15)
+#   --seconds N      recording time (default 30, at least 15)
 #   --no-build       use the binaries that are there (of the folder STYLED_BIN, if that is set)
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)

@@ -495,8 +495,8 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
       ++count;
       continue;
     }
-    // The newer update takes the slot of the older one. What the older frame reported as missed or
-    // skipped was lost before the newer one, too.
+    // The newer update takes the slot of the older one. The losses that the older frame reported
+    // (missed, skipped) are losses before the newer one, too.
     const Update& superseded = out[older];
     if (update.kind == Update::Kind::kFrame) {
       out[count].missed += superseded.missed;

@@ -21,7 +21,7 @@ namespace styled::stylenats {
 // an answer of the daemon, CODE_MALFORMED, CODE_TOO_LARGE for an answer above the broker's
 // max_payload.
 //
-// Reads on a thread of its own; the daemon is asked on the asker's threads.
+// Reads on a thread of its own; the requests run on the asker's threads.
 class Commands {
  public:
   // Totals since the start; any thread.

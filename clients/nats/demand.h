@@ -24,7 +24,7 @@ class Demand {
   // None covers another, so that no message comes twice. Streams that are not passed on to NATS
   // (source/, frames/) need none.
   std::set<std::string> Subjects() const;
-  // Whether a message of that topic is wanted.
+  // Whether a message of that topic has a subscriber.
   bool Wants(std::string_view topic) const;
 
  private:

@@ -37,7 +37,7 @@ class Steering final : public Outlet {
   void CatchUp() { Settle(0); }
 
   std::uint64_t commands() const { return commands_; }
-  // What the daemon refused, one line each.
+  // The daemon's refusals, one line each.
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:

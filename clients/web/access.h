@@ -36,7 +36,8 @@ struct Credentials {
 };
 
 // kHost: a Host that is malformed, missing or not allowed. kTwice: a second Host or Origin. With
-// two of them, a proxy in front of the gateway may have checked the other one.
+// two of them, a proxy in front of the gateway may have checked the one that the gateway does not
+// read.
 enum class Verdict : std::uint8_t { kAllowed, kTwice, kHost, kOrigin, kToken };
 
 // `needs_token`: true for everything but the page itself, which is public. Any thread; allocates

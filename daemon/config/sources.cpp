@@ -111,7 +111,7 @@ std::string Place(const Tracker& row) {
   return "trackers: \"" + Shown(row.id) + "\" = \"" + Shown(row.part) + "\": ";
 }
 
-// What all rows must have; adds the row's part to `parts`.
+// Checks the keys that all rows must have; adds the row's part to `parts`.
 Status CheckRow(const Tracker& row, bool twice, std::vector<int>& parts) {
   const int part = body::FindJoint(row.part);
   if (part < 0) {

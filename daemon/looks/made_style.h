@@ -10,7 +10,7 @@
 
 namespace styled::pipeline {
 
-// What the daemon knows of a style that was made from an example or imported, besides its place in
+// The daemon's data about a style that was made from an example or imported, besides its place in
 // the network. Immutable once it is in a configuration.
 struct MadeStyle {
   std::string name;

@@ -37,7 +37,7 @@ struct Event {
   std::string text;
 };
 
-// What the files thread passes to the pipeline: a configuration to adopt, a request that it has
+// A message of the files thread to the pipeline: a configuration to adopt, a request that it has
 // executed, or both. The request is answered under the new configuration.
 struct Reload {
   std::shared_ptr<const RuntimeConfig> config;

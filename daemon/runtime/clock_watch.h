@@ -20,7 +20,7 @@ struct PtpClock {
 };
 
 struct ClockDiscipline {
-  bool known = false;      // the kernel could be asked
+  bool known = false;      // the kernel answered
   bool locked = false;     // the kernel considers the wall clock synchronized
   double max_error_s = 0;  // the kernel's bound of the clock's error
   std::optional<PtpClock> ptp;

@@ -97,8 +97,8 @@ Status Gatekeeper::Encrypt(runtime::ZmqSocket& socket, Door door) const {
 
 Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
   if (Status status = Encrypt(socket, door); !status.ok()) return status;
-  // Clients without a key, or with another server's key, fail before ZAP is asked. The monitor
-  // counts them.
+  // Clients without a key, or with another server's key, fail before the request to ZAP. The
+  // monitor counts them.
   zmq_socket_monitor(socket.get(), MonitorOf(door).c_str(),
                      ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
   return Status::Ok();

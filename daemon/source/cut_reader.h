@@ -25,7 +25,7 @@ class CutReader {
       : buffer_(buffer), cut_(cut) {}
 
   // Where to receive next. Moves an incomplete datagram to the front of the buffer, which
-  // invalidates the records handed out before.
+  // invalidates the records returned before.
   STYLED_REALTIME std::span<std::byte> Space() noexcept {
     if (begin_ > 0) {
       std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),

@@ -48,9 +48,9 @@ struct SourceFrame {
   std::span<const std::byte> props;
   bool scene_props = false;
 
-  // For a body: the object that a translator made, or else the serialized message as it arrived.
-  // The latter is parsed only after the body is admitted, so that a refused sender costs no
-  // allocation.
+  // For a body: the object that a translator made; without a translator, the serialized message as
+  // it arrived. The latter is parsed only after the body is admitted, so that a refused sender
+  // costs no allocation.
   std::shared_ptr<const v1::Body> body;
   std::span<const std::byte> body_bytes;
 };

@@ -121,7 +121,7 @@ Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
       names += " " + styles[static_cast<std::size_t>(own)].name;
     }
     return {v1::CODE_UNKNOWN_STYLE, "vary: \"" + Printable(vary.style(), 80) +
-                                        "\" is no style of the weights; these are" + names};
+                                        "\" is not a style of the weights; these are" + names};
   }
   request.amount = vary.has_amount() ? vary.amount() : 1;
   if (!(request.amount >= 0 && request.amount <= net::kMaxStrength)) {

@@ -21,7 +21,7 @@ struct Clip {
   rig::Skeleton skeleton;
   double rate_hz = 30.0;
   std::vector<rig::RigPose> frames;
-  // What a BVH file needs to be written back unchanged: per joint its channels in file order
+  // The data by which a BVH file is written back unchanged: per joint its channels in file order
   // ('X','Y','Z' position, 'x','y','z' rotation) and the offsets of its End Sites. Empty:
   // FormatBvh's own channels.
   std::vector<std::string> channels;

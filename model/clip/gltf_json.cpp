@@ -122,7 +122,7 @@ class Wanted final : public json::json_sax_t {
     return &open_.back()->back();
   }
 
-  // Whether there is room for so many bytes of a value that is kept.
+  // Whether there is room for this many bytes of a stored value.
   bool Spend(std::size_t bytes) {
     if (skipped_ > 0 || skip_next_) return true;
     if (bytes <= left_) {

@@ -64,7 +64,7 @@ std::string Unescaped(std::string_view uri) {
 
 // Why the uri of a buffer or image of an avatar in `home` is refused; empty if it is accepted. The
 // file is not opened here; the check protects the next program that opens it (a viewer, an
-// exporter) and trusts an avatar that was accepted. A "data:" uri is no file.
+// exporter) and trusts an avatar that was accepted. A "data:" uri is not a file.
 std::string LeadsOut(const std::string& uri, const std::filesystem::path& home) {
   if (uri.starts_with("data:")) return "";
   if (uri.size() > kMaxUriSize) {

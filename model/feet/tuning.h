@@ -5,7 +5,7 @@
 // styles) unless said otherwise (model/weights/RESULTS.md, "The feet stage"); v1 came before v2 and
 // is no longer in the tree. A clip is "to blame" on the stage if its output accelerates harder than
 // 1.5 times the input's p99.9 while the pose without the stage does not. "No measurement on record"
-// means that nobody varied the constant and noted the effect.
+// means that the constant was not varied, or the effect not noted.
 namespace styled::feet::tuning {
 
 // Contacts (contacts.h)

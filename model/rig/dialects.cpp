@@ -297,7 +297,7 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
   }
   if (!candidate.judged.fault.empty()) {
     return Status::Error("rig: dialect " + std::string(dialect) +
-                         ": found a rest pose that is no T-pose (" + candidate.judged.fault +
+                         ": found a rest pose that is not a T-pose (" + candidate.judged.fault +
                          "), expected one within 25 degrees; give the rest rotations in the "
                          "config, or name another dialect of " +
                          KnownDialects());

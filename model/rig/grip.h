@@ -28,8 +28,8 @@ struct Grip {
 };
 
 // The grip on an object. Of two hands near it the nearer one has almost all: 0.98 if it is 0.1 m
-// and the other one 0.3 m away. A continuous function of the poses, without memory. A hand that the
-// skeleton lacks holds nothing.
+// and the farther one 0.3 m away. A continuous function of the poses, without memory. A hand that
+// the skeleton lacks holds nothing.
 STYLED_REALTIME Grip GripOf(const Placed& object, const WristPair& wrists, Hand hand) noexcept;
 
 // The object's pose when the wrists move from `from` to `to`. Each hand's contribution is as if the

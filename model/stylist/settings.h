@@ -91,8 +91,8 @@ struct Options {
   float gap_reset_s = tuning::kGapReset_s;
   // Duration of the cross-fade over such a restart.
   float restart_fade_s = tuning::kRestartFade_s;
-  // A root step beyond this (and beyond 12 m/s) is held, canonical metres. After so many consistent
-  // frames it is accepted.
+  // A root step beyond this (and beyond 12 m/s) is held, canonical metres. After this many
+  // consistent frames it is accepted.
   float jump_m = tuning::kJump_m;
   int jump_accept_frames = tuning::kJumpAcceptFrames;
   // Reconstruction error at which the style begins to fade out and at which it is gone; and the

@@ -7,7 +7,7 @@
 // set 2 with the weights named, unless said otherwise (v0 and v1 came before v2: the same network,
 // narrower; no longer in the tree). "Jerk" is the output's over the input's; "another rig" means
 // the clips of Xia et al. (model/weights/README.md, RESULTS.md). "No measurement on record" means
-// that nobody varied the constant and noted the effect.
+// that the constant was not varied, or the effect not noted.
 namespace styled::stylist::tuning {
 
 // Style delta (change_filter.h, low_pass.h)
@@ -98,17 +98,18 @@ inline constexpr float kTiltEnd_rad = 1.3F;
 // by 29 degrees though its arm was the performer's own; at 0.4 by 17, at 0.5 by 14, and the trunk
 // shows less on other rigs.
 inline constexpr float kGateTrunkWithArms = 0.4F;
-// What is usual for a performer (arms and trunk): a low quantile of a limb's errors, as a share of
-// frames; the speed at which it is learnt, m/s (up at a tenth of it, down at nine tenths); the
-// error that every performer has, m; and the most above that which does not count, m. Larger: more
-// style on other rigs, and more in rough acts that go on. At 0.015, 0.03 and 0.04 m/s set 1's acts
-// are 20.5, 24.8 and 32.9 degrees off at worst (18.5 without), the last with 0.08 m known at once;
-// Xia's strutting walk then shows 0.29 of the style in the left arm at its end instead of 0.01.
+// The errors that are usual for a performer (arms and trunk): a low quantile of a limb's errors, as
+// a share of frames; the speed at which it is learnt, m/s (up at a tenth of it, down at nine
+// tenths); the error that every performer has, m; and the most above that which does not count, m.
+// Larger: more style on other rigs, and more in rough acts that last. At 0.015, 0.03 and 0.04 m/s
+// set 1's acts are 20.5, 24.8 and 32.9 degrees off at worst (18.5 without), the last with 0.08 m
+// known at once; Xia's strutting walk then shows 0.29 of the style in the left arm at its end
+// instead of 0.01.
 inline constexpr float kGateQuantile = 0.1F;
 inline constexpr float kGateLearn_m_s = 0.015F;
 inline constexpr float kGateKnown_m = 0.04F;
 inline constexpr float kGateMostUsual_m = 0.08F;
-// A limb's error must fall by so much before its style returns, m. Larger: calmer, and less style
+// A limb's error must fall by this before its style returns, m. Larger: calmer, and less style
 // after an act. 0.02, 0.04 and 0.06 differ by 0.1 degrees in the mean.
 inline constexpr float kGateBand_m = 0.02F;
 // Time constant of the fade out, s. Larger: calmer, and more of a sudden act is spoilt. With an
@@ -236,7 +237,7 @@ inline constexpr float kStrideStands = 0.15F, kStrideWalks = 0.5F;
 inline constexpr float kStrideRunBegins = 0.3F, kStrideRuns = 0.7F;
 // A style's run is at least this much faster than its walk, so that the two can be distinguished.
 inline constexpr float kStrideLeastRun = 1.2F;
-// A style has a speed of its own, whoever shows it: over three parts of the takes of each style of
+// A style has a speed of its own, for any performer: over three parts of the takes of each style of
 // set 2 (first, middle and last third, which need not be the three actors) the logarithm of its
 // speed correlates with that of neutral's by 0.18 in walks and by -0.33 in runs (18 pairs each). So
 // this share of the performer's deviation from the usual speed (logarithms) is taken back, up to

@@ -26,7 +26,7 @@ STYLED_REALTIME Moved MovedBy(const body::Pose& input, const body::Pose& output)
 // limb moves by tuning::kUnseen_m.
 STYLED_REALTIME bool IsUnseen(const Moved& moved_m) noexcept;
 
-// Whether the settings ask for so much style that it should be visible: weights of styles other
+// Whether the settings request enough style to be visible: weights of styles other
 // than neutral of at least tuning::kAsksForMuch together, on the whole body.
 bool AsksForMuch(const Settings& settings) noexcept;
 

@@ -186,7 +186,7 @@ Status ReadMotion(const Arguments& arguments, Session& session) {
   return Status::Ok();
 }
 
-// The style of the file, or, with --anew, that of its first take as an example.
+// The style of the file, or, with `--anew`, that of its first take as an example.
 Status ReadStart(const Arguments& arguments, Session& session) {
   const st_gcn::Shape& shape = session.network.student->shape;
   const VectorSizes sizes(shape);

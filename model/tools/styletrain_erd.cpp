@@ -41,7 +41,7 @@ void AddDataFlags(CLI::App& app, style_erd::Config& config) {
   app.add_option("--window", config.window, "Length of a window, frames; at least 4")
       ->capture_default_str();
   app.add_option("--per-style", config.per_style,
-                 "Windows in a batch: so many of each style, and so many neutral ones for it")
+                 "Windows in a batch, of each style, and as many neutral ones for it")
       ->capture_default_str();
   app.add_option("--carry", config.carry,
                  "Share of windows that start from the states at the end of the one before")
@@ -195,7 +195,7 @@ class StyleErdFlags : public FamilyFlags {
 
   Status Resolve(const CLI::App& app) override {
     if (!add_style_->parsed()) return Status::Ok();
-    if (config_.init.empty()) {  // before judges are trained in vain
+    if (config_.init.empty()) {  // before judges are trained for nothing
       return Status::Error("add-style: --init is needed, the weights to add to");
     }
     // The best settings of RESULTS.md ("A style added to frozen weights") for a style without

@@ -131,7 +131,7 @@ class StGcnFlags : public FamilyFlags {
     AddLossFlags(app, config_);
   }
 
-  // Before judges are trained in vain.
+  // Before judges are trained for nothing.
   Status Resolve(const CLI::App&) override { return st_gcn::Check(config_); }
 
   Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {

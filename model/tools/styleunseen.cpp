@@ -167,7 +167,7 @@ int main(int argc, char** argv) {
   app.add_option("--library", arguments.library,
                  "Folder of style files NAME.json, used where one has a style's name (live)");
   app.add_option("--source", arguments.source,
-                 "What is restyled, without a style (BVH); else the neutral walk (live)");
+                 "The clip to restyle, without a style (BVH); else the neutral walk (live)");
   app.add_option(
       "--judges", arguments.judges,
       "Train judges on the data set, keep them in this folder, and report how much of the "

@@ -424,7 +424,7 @@ class Run {
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
-      "Restyles BVH clips, on their own skeletons or on an avatar's: same rate and, but for "
+      "Restyles BVH clips, on their own skeletons or on an avatar's: same rate and, except for "
       "--cadence, same frame count.",
       "stylize");
   stylize::AddOptions(app, arguments);

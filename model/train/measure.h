@@ -16,7 +16,7 @@ class PaceMeter {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr int kSkipped = 3;  // iterations
-  static constexpr int kFewest = 10;  // measured iterations, and at least for so long:
+  static constexpr int kFewest = 10;  // measured iterations, and at least this long:
   static constexpr std::chrono::seconds kShortest{3};
 
   // Call after each iteration with the present time. Returns true once, when the measurement is

@@ -26,10 +26,10 @@ struct RunConfig {
   std::string device = "auto";  // "auto" (CUDA where there is a device), "cpu" or "cuda"
   int threads = 1;              // of libtorch
 
-  double checkpoint_minutes = 5.0;  // between checkpoints; a crash costs at most so much of a run
+  double checkpoint_minutes = 5.0;  // between checkpoints; a crash costs at most this part of a run
   int log_every = 100, monitor_every = 500;  // iterations
   double validate_minutes = 10.0;            // between validations, where there are any
-  int patience = 0;  // the run ends after so many validations without a better score; 0: never
+  int patience = 0;  // the run ends after this many validations without a better score; 0: never
 };
 
 // The judge of a run: named figures of a weights file. The first is the score, higher is better.

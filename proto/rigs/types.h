@@ -28,8 +28,8 @@ struct RigType {
   // Whether its face, or its fingers, can be merged into the performer of another source
   // (source.parts).
   bool has_face = false, has_fingers = false;
-  // Whether source.server applies (the address that is asked for data), and source.expressions (the
-  // names that its expressions get).
+  // Whether source.server applies (the address to which data requests go), and source.expressions
+  // (the names that its expressions get).
   bool takes_server = false, takes_expressions = false;
   // The rig is a server that answers requests, instead of a sender that connects to us; and its
   // usual port. With `stream` the transport connects to it.

@@ -22,7 +22,7 @@ Choice = Tuple[str, str]
 
 
 class Latest(NamedTuple):
-    """What an armature displays."""
+    """The data that an armature displays."""
     epoch: int
     sequence: int
     styles: str
@@ -67,7 +67,7 @@ class _Link:
             f'{style.style} {style.weight:.2f}' for style in frame.styles))
 
     def give_up(self, why: str) -> None:
-        """Until another body comes, or the armature is driven anew."""
+        """Until another body comes, or the armature is driven again."""
         self.plan, self.unfit = None, why
 
     # The newest frame. A take also keeps the frames before it, however seldom Blender calls this.

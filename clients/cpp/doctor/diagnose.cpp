@@ -108,7 +108,8 @@ void Examination::Daemon() {
   }
   say("no_daemon", "No styled daemon answers at " + daemon.endpoint + ".",
       "No program named styled listens on this machine.",
-      "Start it: styled --config styled.toml (as a service: systemctl start styled). If it does not "
+      "Start it: styled --config styled.toml (as a service: systemctl start styled). If it does "
+      "not "
       "stay up, its log says why.");
 }
 
@@ -126,8 +127,8 @@ void Examination::Source(const SourceFacts& source) {
   if (source.in_daemon && !is_part) Frames(source, evidence);
 }
 
-// Reports a source from which the daemon receives nothing, whatever the previous steps found. Not if
-// another source of the same name receives, or if a problem of that name is already reported.
+// Reports a source from which the daemon receives nothing, whatever the previous steps found. Not
+// if another source of the same name receives, or if a problem of that name is already reported.
 void Examination::Silent() {
   for (const SourceFacts& source : facts_.sources) {
     if (!source.in_daemon || source.received.value_or(1) > 0) continue;
@@ -147,7 +148,7 @@ void Examination::Silent() {
            source.wanted.network
                ? InTheSender(source.wanted)
                : "See that the device is plugged in and switched on; the daemon's "
-                 "log says what it waits for.");
+                 "log names what it waits for.");
   }
 }
 

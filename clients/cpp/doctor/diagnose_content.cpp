@@ -240,7 +240,7 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
       trackers
           ? "Assign each tracker to a joint in the source's `trackers`, and do a full reset in the "
             "T-pose; the daemon's log names what is missing."
-      : parts ? "If it sends only hands or a face: name in the source the performer to whom they "
+      : parts ? "If it sends only hands or a face: name in the source the performer that they "
                 "belong, "
                 "merge_into = \"SOURCE.NAME\", and restart the daemon. Otherwise restart the "
                 "sender: the "

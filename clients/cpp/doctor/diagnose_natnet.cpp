@@ -98,7 +98,7 @@ bool Examination::Server(const SourceFacts& source) {
     return fail(Step::kSkeleton, "no_skeleton",
                 answers.name + " at " + server + " does not report its skeletons.",
                 answers.model_answered ? "Its model could not be read."
-                                       : "It was asked for its model, and did not answer.",
+                                       : "It did not answer the request for its model.",
                 "In Motive switch Streaming off and on again; if that does not help, restart it.");
   }
   if (answers.skeletons == 0) {

@@ -59,7 +59,7 @@ void Examination::Qtm(const SourceFacts& source) {
   if (!answers.skeletons_answered || answers.skeletons == 0) {
     return fail(
         Step::kSkeleton, "no_skeleton", "QTM at " + server + " has no skeleton.",
-        answers.said.empty() ? "It was asked for its skeletons." : "It answered: " + answers.said,
+        answers.said.empty() ? "Its answer lists no skeletons." : "It answered: " + answers.said,
         "In QTM calibrate a skeleton of the performer. " + TheSettings());
   }
   if (answers.frames == 0) {

@@ -168,7 +168,7 @@ Result<Descriptor> Probe::Bind(bool stream, const std::string& host, std::uint16
                                int* error) {
   sockaddr_storage address;
   const socklen_t size = ToSocket({host, port}, address);
-  if (size == 0) return Status::Error(host + " is no numeric address");
+  if (size == 0) return Status::Error(host + " is not a numeric address");
   const int type = stream ? SOCK_STREAM : SOCK_DGRAM;
   Descriptor fd(socket(address.ss_family, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const auto refuse = [&] {

@@ -12,7 +12,7 @@ namespace styled::doctor {
 // The replies of Qualisys Track Manager, or of another program at its port.
 struct QtmAnswers {
   Endpoint server;
-  std::string error;       // set if the server could not be asked
+  std::string error;       // set if the server did not get the request
   bool connected = false;  // TCP
   std::string refused;     // why not, or why the connection ended
   bool greeted = false;

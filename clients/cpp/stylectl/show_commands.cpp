@@ -116,7 +116,7 @@ void DeclareShowCommands(Session& session) {
       });
   status
       ->add_option("--watch", arguments->watch_s,
-                   "repeat every so many seconds (default 1), until Ctrl-C")
+                   "repeat at this interval in seconds (default 1), until Ctrl-C")
       ->expected(0, 1)
       ->default_str("1")
       ->check(Number(0.1, 3600.0));

@@ -4,7 +4,7 @@ import { ScalarType, type MessageInitShape } from '@bufbuild/protobuf';
 
 import { LookSchema } from './gen/proto/styled/v1/look_pb.js';
 
-/** What a change sets; the rest stays. */
+/** The fields that a change sets; the others stay. */
 export type SetInit = MessageInitShape<typeof LookSchema>;
 
 export function shown(value: unknown): string {

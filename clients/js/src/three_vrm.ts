@@ -17,7 +17,7 @@ export type Pose = Pick<Frame, 'rootPosition' | 'rotations' | 'expressions'>;
 and rest pose, so rotations are copied unchanged, by joint name. Fingers, eyes and jaw move if both have
 them; the rotation of a joint that the avatar lacks is added to the next one below. The hips' height is
 scaled to the avatar's; over the floor it follows the performer, in metres. Expressions are matched by
-name, too (VRM 0's, 1.0's, ARKit's), as far as the avatar has them. Call `vrm.update(dt)` afterwards, as
+name, too (VRM 0's, 1.0's, ARKit's). Call `vrm.update(dt)` afterwards, as
 without this. */
 export class VrmPoser {
   private readonly turn: number; // VRM 0 looks along -Z

@@ -217,7 +217,7 @@ test('the reply to a take is waited for as long as the take is', () =>
     assert.ok(performance.now() - begun > 1100);
   }, { long_ms: 200 }));
 
-// What the console is warned of while `play` runs.
+// The warnings on the console while `play` runs.
 async function warnings(play) {
   const said = [], { warn } = console;
   console.warn = (text) => said.push(text);
@@ -249,8 +249,8 @@ test('a change that nobody will see is told: to who listens, else in the console
       await client.like('rig.ann', { name: 'mine', learnS: 1 });
       await client.preset('rig.a', 'calm');
       assert.deepEqual(heard, [[absent, 'rig.ann'], [absent, 'rig.ann'], [weak, 'rig.a']]);
-      await client.setStyle('rig.a', 'old', 0); // as was wanted
-      await client.set('*', { strength: 0 }); // nobody in particular was meant
+      await client.setStyle('rig.a', 'old', 0); // as requested
+      await client.set('*', { strength: 0 }); // no selected performer
       assert.deepEqual([heard.length, said.length], [3, 2]);
     });
   }));

@@ -137,8 +137,8 @@ class Subscriber:
     streams         one or several of 'rig', 'canonical', 'source' (styled.RIG, CANONICAL, SOURCE),
                     or the name of an [[output]] of the daemon; None: bodies and statistics only
     statistics      also subscribe to the daemon's counters, once per second
-    bundled         all performers' frames of a cycle of the daemon in one message: for whoever shows
-                    tens of performers and more; without `performer`
+    bundled         all performers' frames of a cycle of the daemon in one message: for clients that
+                    show tens of performers or more; without `performer`
     queue_messages  queue of this process; when it is full, the newest are dropped
     curve           styled.Curve, for daemons that require keys
 

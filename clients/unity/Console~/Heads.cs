@@ -10,7 +10,7 @@ static class Heads {
   static int Main(string[] arguments) {
     if (Array.Exists(arguments, a => a == "--help" || a == "-h")) {
       Console.WriteLine(Usage + "\n  PUBLISHER  default: " + Subscriber.DefaultEndpoint + "\n  CONTROL    default: " +
-                        Control.DefaultEndpoint + "\n  STYLE      default: old\n  FRAMES     ends after so many; default: never");
+                        Control.DefaultEndpoint + "\n  STYLE      default: old\n  FRAMES     number of frames to show; default: no limit");
       return 0;
     }
     try {

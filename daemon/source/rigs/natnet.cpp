@@ -84,7 +84,7 @@ void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
 }
 
 // Old servers know the first record, servers from 4.0 on also the longer one; no server objects to
-// the other one. No bitstream is requested: SERVER INFO states which one is used.
+// the one it does not know. No bitstream is requested: SERVER INFO states which one is used.
 void NatNet::AskWho(Outbox& out) {
   natnet::Connect connect;
   connect.shape =

@@ -24,13 +24,13 @@ namespace styled::source {
 //
 // Transport   UDP, a dialogue with `server` (port 1510) through Outbox::Reply; the sockets are the
 //             transport's (daemon/source/natnet.h). CONNECT once a second until the server answers,
-//             and again when the server was silent for 2 s; the model is asked for again when the
+//             and again when the server was silent for 2 s; the model is requested again when the
 //             server says that it changed or an unknown skeleton comes.
 // Performer   Each of the server's skeletons, up to 16: its name there; NAME-2, ... where a name is
 //             taken.
 // Body        The skeleton's bones in metres, made +Y up, dialect "motive". Whether bones are
 //             global or local and which axis is up is found in the frames (natnet_skeleton.h),
-//             unless `coordinates` and `up` say so.
+//             unless `coordinates` and `up` are set.
 // Props       Rigid bodies that are tracked and belong to no skeleton, by their names in the model,
 //             for every performer.
 // Time        The frame's timestamp in seconds; SMPTE timecode where the server has one. A gap in

@@ -27,7 +27,7 @@ class Device {
   using OwnedHandle = std::unique_ptr<libusb_device_handle, Handle>;
 
   // Claims the interface and starts the transfers. `number` is attached to all data that the device
-  // reports. Errors say what was refused.
+  // reports. Errors name the refused call.
   static Result<std::unique_ptr<Device>> Start(OwnedHandle handle, const Interface& interface,
                                                std::uint32_t number, Reports& reports,
                                                runtime::Counters& counters);

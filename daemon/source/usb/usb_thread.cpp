@@ -130,7 +130,7 @@ void UsbThread::Scan() {
   for (Known& known : known_) TryOpen(known);
 }
 
-// Adds a new device to known_ if it is wanted.
+// Adds a new device to known_ if a source needs it.
 void UsbThread::Meet(libusb_device* device) {
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) return;

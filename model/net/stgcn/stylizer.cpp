@@ -70,7 +70,7 @@ class StgcnStream final : public net::ClipStream {
     network_->Decode(content_, network_->space().EncodeStyle(clip, input_style_, scratch_),
                      output.own, scratch_);
     network_->Decode(content_, code_, output.styled, scratch_);
-    // The last window's end fades into this one's beginning.
+    // The last window's end fades into the beginning of this window.
     const std::size_t overlap = std::min(last_.own.size(), count);
     for (std::size_t i = 0; i < overlap; ++i) {
       const double turn = std::numbers::pi / 2 * (static_cast<double>(i) + 0.5) /

@@ -15,8 +15,8 @@ struct TimeScratch {
 // A convolution over three frames, with zeros outside the clip, from C channels to C:
 //   y_t = bias + Σ_k W_k x_(t+k-1).
 // Four frames at a time by Winograd's minimal filtering F(4, 3) (Lavin and Gray 2016): six products
-// instead of twelve, exact but for rounding, which stays below 1e-5 of the result. Immutable; any
-// thread, each with its own scratch.
+// instead of twelve, exact except for rounding, which stays below 1e-5 of the result. Immutable;
+// any thread, each with its own scratch.
 class TimeConv {
  public:
   TimeConv() = default;

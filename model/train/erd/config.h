@@ -84,7 +84,7 @@ struct Config {
   double w_smooth = 10.0;
   double smooth_from = 0.2, smooth_full = 0.3;  // shares of the run between which it is ramped in
 
-  // What the paper's ablations leave out (besides losses, by their weights).
+  // The parts that the paper's ablations leave out (besides losses, by their weights).
   bool attention = true;        // false: a plain multi-class discriminator
   bool learned_states = true;   // false: recurrent states start at zero
   bool judge_published = true;  // critic and classifier see the detail-preserving output

@@ -66,7 +66,7 @@ class Distillation {
 
  private:
   struct Teacher {
-    std::unique_ptr<Generator> generator;  // its styles are in the run's order; or else:
+    std::unique_ptr<Generator> generator;  // its styles are in the run's order; otherwise:
     std::unique_ptr<ClipTeacher> clips;
     Carried carried;
     torch::Tensor gain;  // [B, contents] of its change in the slot; 0: not taught there

@@ -51,7 +51,7 @@ struct Stack {
         int64_t width);
   // The learned states, for `samples` samples of each group.
   StackState Initial(int64_t samples) const;
-  // Those, but `carried` where `mask` [groups or 1, samples, 1] says so.
+  // Those, but `carried` where `mask` [groups or 1, samples, 1] is set.
   StackState Start(const StackState& carried, const torch::Tensor& mask) const;
   // x [G, T, N, Z]; `state` is where the window starts and, detached, where it ended.
   torch::Tensor operator()(torch::Tensor x, StackState& state) const;

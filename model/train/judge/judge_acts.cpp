@@ -22,7 +22,7 @@ constexpr float kAhead_m = 0.3F;        // a foot so far in front of the hips is
                                         // step
 constexpr float kKick_m = 0.4F;
 constexpr float kSwing = 3;           // in a walk or run the hands are less faster than the hips
-constexpr double kApart_s = 0.4;      // an act is the fastest or highest within so much
+constexpr double kApart_s = 0.4;      // an act is the fastest or highest within this
 constexpr float kStretched_m = 0.3F;  // the direction of a hand nearer to its shoulder is
                                       // meaningless
 

@@ -49,7 +49,7 @@ torch::Dtype TypeOf(const std::string& precision, const torch::Device& device);
 class Means {
  public:
   void Add(const std::string& name, const torch::Tensor& value);
-  Figures Pop();  // in the order of the first Add; starts anew
+  Figures Pop();  // in the order of the first Add; restarts
 
  private:
   struct Sum {

@@ -26,7 +26,7 @@ struct Config {
   int single_codes = 128;
 
   // The targets' relation to the teacher's change of style: so much later, because the stylist's
-  // low-pass publishes late, and so many times as large, because averaging by the student and the
+  // low-pass publishes late, and larger by this factor, because averaging by the student and the
   // low-pass both reduce it.
   double lead_s = 0;
   double gain = 1;

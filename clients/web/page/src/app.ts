@@ -20,7 +20,7 @@ const SETTLED_MS = 250; // after the last step of a gesture
 const TRY_AGAIN = [Code.PINNED, Code.BUSY, Code.NOT_READY];
 
 interface Manner {
-  /** Of all performers, whoever is selected. */
+  /** Of all performers, regardless of the selection. */
   forAll?: boolean;
   /** Steps of one gesture, such as a drag, are undone together. */
   gesture?: string;

@@ -61,7 +61,7 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
     if (received === 0n) return { rank: 2, text: `${place}: ${SILENT[type] ?? UNHEARD}` };
     if (fresh === 0) return { rank: 1, text: `${place}: ${received} datagrams arrived, none of them now. Is ${PHONES.includes(type) ? 'the app on the phone open and in front' : "the rig's application still sending"}?` };
     const why = old && only ? reasonOf(now, old) : undefined;
-    if (part && !why) return { rank: 3, text: `${place}: ${fresh} datagrams arrived in the last second: ${part === 'face' ? 'a face, which waits' : `${part}, which wait`} for the body of whom merge_into names.` };
+    if (part && !why) return { rank: 3, text: `${place}: ${fresh} datagrams arrived in the last second: ${part === 'face' ? 'a face, which waits' : `${part}, which wait`} for the body of the performer that merge_into names.` };
     return { rank: 0, text: `${place}: ${fresh} datagrams arrived in the last second, but no pose: ${why ?? `stylectl doctor ${name} looks into them`}.` };
   });
   sentences.sort((a, b) => a.rank - b.rank);

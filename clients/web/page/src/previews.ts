@@ -1,4 +1,4 @@
-// Fetches previews of styles: one at a time, and only those that are wanted now.
+// Fetches previews of styles: one at a time, and only those that the page shows now.
 import { Code, RefusedError, type PreviewReply } from 'styled-client';
 
 import { filmOf, type Film } from './pictures.js';

@@ -206,7 +206,7 @@ export function gridOf(tracks: Track[]): Grid | undefined {
   steps_s.forEach((step, i) => {
     const sequences = moments[i + 1]!.sequence - moments[i]!.sequence;
     const steps = Math.max(sequences, Math.round((step + late_s) / usual_s));
-    // Jitter must not accumulate: the next pose is measured from this one's expected time.
+    // Jitter must not accumulate: the next pose is measured from the expected time of this pose.
     late_s = FORGET * (step + late_s - steps * usual_s);
     slot += steps;
     whole_s += step;

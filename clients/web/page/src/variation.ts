@@ -44,7 +44,7 @@ export function variation(app: App): HTMLElement {
     paced((value: number) => app.set({ varyAmount: value }, `variation at ${Math.round(100 * value)} %`, 'vary amount')));
   const drift = slider('Drift', { min: 0, max: 60, step: 1 }, (value) => (value === 0 ? 'off' : `${value} s`),
     paced((value: number) => app.set({ driftS: value }, value === 0 ? 'no drift' : `drift, ${value} s from one to the next`, 'drift')));
-  drift.element.title = 'The variation changes slowly: about so many seconds from one to the next';
+  drift.element.title = 'The variation changes slowly: seconds from one to the next';
   const box = section('Variation',
     h('div', { className: 'vary' }, dice, number, plain,
       h('label', { title: "Shifted by each performer's name" }, each, ' each its own')),

@@ -1,4 +1,4 @@
-// What the page says of a rig that is silent.
+// The page's messages about a silent rig.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { create } from '@bufbuild/protobuf';
