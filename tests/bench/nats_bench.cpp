@@ -1,6 +1,6 @@
-// What NATS adds for viewers, and what trouble at it does to others: the real daemon, stylenats and
-// the shipped servers, raw sockets as subscribers of both engines. Compare within one run. No
-// assertions.
+// Measures the cost of NATS for viewers, and the effect of its trouble on other subscribers: the
+// real daemon, stylenats and the shipped servers, raw sockets as subscribers of both engines.
+// Compare within one run. No assertions.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -120,8 +120,8 @@ struct Hall {
   Walker walker;
 };
 
-// Whether the bucket says that the first performer has the style. It waits 0.2 s at most: while a
-// stream has no leader, nobody answers.
+// Whether the bucket shows that the first performer has the style. It waits 0.2 s at most: a stream
+// without a leader does not answer.
 bool HasStyle(const NatsUser& user, const std::string& style) {
   natsMsg* answer = nullptr;
   v1::PerformerStats performer;

@@ -38,7 +38,7 @@ class StylizeCadence : public ToolsTest {
     EXPECT_EQ(Run(arguments), 0) << output_;
     return clip::ReadBvh(out_).value();
   }
-  // What stylize says, which ends with `code`.
+  // The output of stylize, which ends with `code`.
   std::string Refusal(int code, std::vector<std::string> arguments, const std::string& in) {
     arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--weights", weights_, "--cadence"});
     arguments.insert(arguments.end(), {in, out_});

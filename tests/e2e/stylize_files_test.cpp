@@ -266,8 +266,8 @@ TEST_F(StylizeFiles, SlidingIsThatOfStandingFeetNotOfASwing) {
       << output_;
   const auto lines = Lines();
   ASSERT_EQ(lines.size(), 2U);
-  // The synthetic walk's feet stand still but for the last tenth of a second on the toes: 3.7, by
-  // the judges' measure, too. With the feet that lift off, in contact for some 50 ms more, 18.6.
+  // The synthetic walk's feet stand still except for the last tenth of a second on the toes: 3.7,
+  // by the judges' measure, too. With the feet that lift off, in contact for some 50 ms more, 18.6.
   EXPECT_LT(lines[0]["feet"]["input_slide_cm_s"], 6.0);
   EXPECT_LT(lines[0]["feet"]["slide_cm_s"], 8.0);
   // A floor of ice is not overlooked.

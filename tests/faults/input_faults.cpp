@@ -1,4 +1,4 @@
-// What comes in: datagrams that are lost, clocks that step, values that are none.
+// Faults of the input: datagrams that are lost, clocks that step, invalid values.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -35,7 +35,7 @@ Outcome Loss(const Effort& effort) {
     if (!watcher.Sees(5)) return Failed("no frame");
     Sleep(effort.Seconds(10));
     const Feed::Sent sent = feed.Stop();
-    // What was withheld last is not missed before somebody comes after it.
+    // A datagram withheld last counts as missed only when another one follows.
     Sleep(0.5);
     ControlClient control(daemon.control);
     const auto lost = control.Counter("pipeline.lost");

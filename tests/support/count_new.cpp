@@ -27,8 +27,8 @@ void Count() {
 
 namespace {
 
-// Bytes taken since counting began, and the most of them at once. What was taken before and is
-// freed now makes it negative.
+// Bytes allocated since counting began, and their peak. Freeing memory from before then makes it
+// negative.
 std::atomic<std::int64_t> live{0}, peak{0};
 
 void* Counted(void* memory) {

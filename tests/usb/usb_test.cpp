@@ -239,7 +239,7 @@ TEST_F(UsbTest, UnpluggedInMidTransferTwentyTimesItComesBackTwentyTimes) {
   const std::size_t open_files = OpenFiles(daemon);
   constexpr int kReplugs = 20;
   for (int i = 0; i <= kReplugs; ++i) {
-    Rig rig("a", 100 + static_cast<std::uint64_t>(i));  // its firmware begins anew
+    Rig rig("a", 100 + static_cast<std::uint64_t>(i));  // its firmware restarts
     const std::size_t before = subscriber.Frames("styled/").size();
     // The first are refused, because the session before was live a moment ago.
     ASSERT_TRUE(subscriber.WaitFor(

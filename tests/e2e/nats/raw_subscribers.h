@@ -23,7 +23,7 @@ struct RawOptions {
   bool stopped = false;  // they read nothing and answer nothing, with the smallest SO_RCVBUF
 };
 
-// What came of the frames that were published in a span of time.
+// The delivery of the frames that were published in a span of time.
 struct RawResult {
   std::uint64_t delivered = 0;
   std::uint64_t lost = 0;              // of the frames of the span, for each subscriber

@@ -1,4 +1,4 @@
-// What the shipped recording server keeps of the sites, and how stylerec reads it.
+// The shipped recording server records the sites, and stylerec reads its recordings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -174,7 +174,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
   EXPECT_THAT(fetched.out, HasSubstr("frames=" + std::to_string(compared) + " "));
   EXPECT_THAT(fetched.out, HasSubstr(" missed=" + std::to_string(taken.missed) + " restarts=0 "));
 
-  // The other site, and nobody else; a performer's motion comes out of it.
+  // The other site only; a performer's motion comes out of it.
   const std::string studio_file = folder_ / "studio.styrec", bvh = folder_ / "c.bvh";
   const Outcome second = Stylerec("operator", {"fetch", "--site", "studio", studio_file});
   ASSERT_EQ(second.code, 0) << second.err;
@@ -241,7 +241,7 @@ TEST_F(NatsRecordingTest, TheOldestGoFirstByBytesAndByAge) {
   Publish(bridge, 1, 3000, 1000);
   const std::string file = folder_ / "tail.styrec";
   ASSERT_TRUE(WaitUntil([&] { return Recorded() > 1500; }, 10));
-  Sleep(0.5);  // until the last have come
+  Sleep(0.5);  // until the last have arrived
   ASSERT_EQ(Stylerec("viewer", {"fetch", "--site", "hall", file}).code, 0);
   auto reader = recording::Reader::Open(file);
   ASSERT_TRUE(reader.ok());

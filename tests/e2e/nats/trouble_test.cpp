@@ -1,4 +1,4 @@
-// What one viewer, a link or a full disk does to the others: nothing. Counts of raw sockets.
+// One viewer, a link or a full disk has no effect on the others. Counts of raw sockets.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -76,7 +76,7 @@ TEST_F(NatsTroubleTest, AViewerThatStandsStillIsCutAndCountedAndNobodyElseLosesA
   const RawSubscribers still(
       {Wire::kNats, servers_.hub_port, "viewer", {"styled.>"}, 1, /*stopped=*/true});
   ASSERT_TRUE(still.ok()) << still.error();
-  // Megabytes are in the kernel's buffers before anybody sees that it does not read.
+  // Megabytes fit the kernel's buffers before a viewer that does not read is noticed.
   EXPECT_TRUE(WaitUntil(
       [this] { return servers_.Log().find("Slow Consumer Detected") != std::string::npos; }, 20))
       << servers_.Log();

@@ -21,7 +21,7 @@ std::string Cue(const std::string& name, const std::string& at, const std::strin
 
 class CuesOverARecordingTest : public RecordingsTest {
  protected:
-  // Records what arrives in a minute from a rig with timecode from 01:00:00:00.
+  // Records a minute of a rig with timecode from 01:00:00:00.
   std::string RecordAMinute() const {
     const std::string file = folder_ / "minute.styrec";
     const auto writer = recording::FileWriter::Create(file, recording::BeginningNow("test", "0"));

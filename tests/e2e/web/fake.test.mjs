@@ -1,5 +1,5 @@
-// The page in a real browser, in front of a fake daemon, which says what the real one says seldom: someone else
-// changes a look at the same time, layers, props, a source that is silent.
+// The page in a real browser, in front of a fake daemon, which reports the rare cases: a look that another
+// client changes at the same time, layers, props, a silent source.
 //   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test fake.test.mjs
 // SCREENSHOTS: a folder for screenshots. PATIENCE: factor of all waits.
 import assert from 'node:assert/strict';
@@ -90,7 +90,7 @@ test('who was changed by someone else meanwhile is left so, and that is said; ot
 });
 
 test('a change of someone else just before ours is part of what comes back', async () => {
-  daemon.set('rig.anna', { mix: [{ style: 'youthful', weight: 0.5 }] }); // no statistics tell of it
+  daemon.set('rig.anna', { mix: [{ style: 'youthful', weight: 0.5 }] }); // no statistics report it
   await click('[data-style=angry]');
   await until(() => offered().isVisible(), 'the offer');
   await page.keyboard.press('Control+z');
@@ -102,7 +102,7 @@ test('a slider that is dragged is one step, and may be changed again by us', asy
   const { strength } = looks()['rig.anna'];
   for (const value of ['0.9', '1.1', '1.3']) await knob.fill(value);
   await until(() => looks()['rig.anna'].strength === Math.fround(1.3), 'the strength');
-  await page.waitForTimeout(600); // the page has learned what came of it
+  await page.waitForTimeout(600); // the page has learned its result
   await page.keyboard.press('Control+z');
   await until(() => looks()['rig.anna'].strength === strength, 'the strength before');
 });

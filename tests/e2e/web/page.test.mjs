@@ -163,8 +163,8 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
   await until(async () => (await hand()) === undefined, 'no avatar');
 });
 
-// Stores what arrives over the WebSocket from now on, independently of the recorder: per stream, by
-// sequence.
+// Stores the frames that arrive over the WebSocket from now on, independently of the recorder: per
+// stream, by sequence.
 const listen = () =>
   page.evaluate(() => {
     const heard = { source: [], rig: [] };
@@ -281,7 +281,7 @@ test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as l
   await page.locator('button.record').click();
   await until(async () => (await recorded()) > 40, 'frames');
   await page.locator('button.record').click();
-  // What all streams cover: one of them may begin or end a few frames later.
+  // The span that all streams cover: one of them may begin or end a few frames later.
   const take_s = await page.evaluate(() => {
     const { source, styled, canonical } = globalThis.styled.recorder.take;
     const all = [source, styled, ...(canonical ? [canonical.track] : [])];

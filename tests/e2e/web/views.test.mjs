@@ -28,7 +28,7 @@ before(async () => {
   page.setDefaultTimeout(60000 * patience);
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
-    // A page that is left while it connects says so.
+    // A page that is left while it connects reports it.
     if (message.type() === 'error' && !/WebSocket is closed before/.test(message.text())) errors.push(message.text());
   });
   await drawSeldom(page, 1000);

@@ -44,7 +44,7 @@ struct Pair {
 
 class ReachTest : public testing::Test {
  protected:
-  // Binds a socket of ZeroMQ, with CURVE where `keys` says so.
+  // Binds a socket of ZeroMQ, with CURVE if there are `keys`.
   std::string Bind(zmq::socket_type type, const Pair* keys = nullptr,
                    const std::string& address = "tcp://127.0.0.1:*") {
     socket_ = zmq::socket_t(context_, type);

@@ -319,7 +319,7 @@ TEST_F(GltfReadTest, AFileThatWantsAnotherFromOutsideItsFolderIsRefused) {
   }
 }
 
-// Opening a pipe would block the daemon until somebody writes to it.
+// Opening a pipe would block the daemon until another process writes to it.
 TEST_F(GltfReadTest, PipesDevicesAndFoldersAreRefusedAndNobodyIsWaitedFor) {
   for (const std::string name : {"pipe.glb", "pipe.bvh"}) {
     const std::string pipe = folder_ / name;

@@ -227,7 +227,7 @@ TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
   FAIL() << "never as they were sent";
 }
 
-// A datagram tells what was dropped before it, so that the last ones of a burst are told by none.
+// Each datagram reports the drops before it, so the last ones of a burst are not reported.
 TEST_F(UdpSocketTest, WhatTheKernelDroppedLastIsCountedToo) {
   UdpSocket socket = Open(4096);
   const support::UdpLink link(socket.endpoint());

@@ -261,7 +261,7 @@ TEST_F(ConfigTest, AHostsNameIsRefusedBeforeAnySocketIs) {
 }
 
 TEST_F(ConfigTest, NoPortIsGivenTwice) {
-  // Each with the line to change, what takes the address, and where that is said.
+  // Each with the line to change, the program that uses the address, and the line that states it.
   EXPECT_EQ(Complaint("[publish]\naddress = 'tcp://127.0.0.1:7100'\n"
                       "[control]\naddress = 'tcp://127.0.0.1:7100'\n"),
             file_ + ":4: control.address: tcp://127.0.0.1:7100 is taken by publish.address (" +

@@ -1,4 +1,4 @@
-// What a pipeline that was held up reads late is not taken for a silence of the sender.
+// Datagrams that a delayed pipeline reads late do not count as a silence of the sender.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -163,8 +163,8 @@ TEST(LookTest, ALookAsksForVariationsByNumberByIdOrByDrift) {
   EXPECT_TRUE(AsksForVariations(look));
 }
 
-// What a client of version 0.1 sent as `Set`: mix old 0.5, strength 0.8, 500 ms, absolute, only
-// head and left arm, own_style tired; and what it sent to clear.
+// A `Set` of a client of version 0.1: mix old 0.5, strength 0.8, 500 ms, absolute, only
+// head and left arm, own_style tired; and its request to clear.
 TEST(LookTest, TheBytesOfEarlierClientsMeanTheSame) {
   using namespace std::string_literals;
   v1::Look look;

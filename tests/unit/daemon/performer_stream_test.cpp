@@ -105,7 +105,7 @@ TEST(PerformerStream, FramesOfOneBatchKeepTheirOwnPoseNameAndFace) {
   rig::RigPose pose(f.body.skeleton);
   Face face;
   {
-    PerformerStream second("b");  // gone before the batch is handed on
+    PerformerStream second("b");  // gone before the batch is passed
     second.SetBody(f.body, f.outbox);
     second.Send(pose, {++f.time_ns, f.now_ns}, f.outbox);
   }

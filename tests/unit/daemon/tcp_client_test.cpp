@@ -167,7 +167,7 @@ TEST_F(TcpClientTest, TakesRecordsWhereverTheirSegmentsEndAndAnswers) {
 }
 
 TEST_F(TcpClientTest, ComesBackAfterASecondThenLessOften) {
-  listener_ = Descriptor();  // nobody listens there
+  listener_ = Descriptor();  // no program listens there
   const auto attempts = [this](double seconds) {
     int made = 0;
     for (int i = 0; i < static_cast<int>(seconds * 10); ++i) {

@@ -71,7 +71,8 @@ class TcpTest : public testing::Test, public Receiver {
     ASSERT_TRUE(made.ok()) << made.status().message();
     transport_ = std::move(made.value());
   }
-  // Until nothing is left to do; loopback delivers at once, but for what a busy kernel holds back.
+  // Until nothing is left to do; loopback delivers at once, except for segments that a busy kernel
+  // delays.
   void Work() {
     for (int idle = 0; idle < 2;) {
       pollfd ready{transport_->fd(), POLLIN, 0};

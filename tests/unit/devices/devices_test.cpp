@@ -42,7 +42,7 @@ struct Stage {
     worn.Measure(body::Pose(), now_ns, devices);
     outcome = devices.Reset(now_ns, worn.TrueStance());
   }
-  // The pose that comes of it, in the performer's own space.
+  // The resulting pose, in the performer's own space.
   body::Pose Solve(const body::Pose& pose) {
     for (int i = 0; i < 2; ++i) worn.Measure(pose, now_ns += 20 * kMs, devices);
     body::Pose found;

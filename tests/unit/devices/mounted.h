@@ -42,7 +42,7 @@ class Worn {
             Vec3(0.4F, 0, -1.3F),
         room * world.rotations[part] * part_from_device_[i]};
   }
-  // What the devices measure of a pose goes to the solver.
+  // Passes the devices' measurements of a pose to the solver.
   void Measure(const body::Pose& pose, std::int64_t now_ns, Devices& devices) const {
     body::WorldPose world;
     body::ForwardKinematics(pose, world);

@@ -6,7 +6,7 @@ namespace {
 
 class ContentTest : public ::testing::Test {
  protected:
-  // No daemon; a source of `type` where `what` arrives. Codes but for no_daemon.
+  // No daemon; a source of `type` where `what` arrives. Codes except for no_daemon.
   std::string CodesOf(const std::string& type, const std::vector<Sniffed>& what) {
     machine_ = Machine();
     machine_.NoDaemon();
@@ -190,7 +190,7 @@ TEST_F(ContentTest, TwoPhonesOnOnePortAreToldToTakeTwoSources) {
 
 TEST_F(ContentTest, TheCureForAFaceNamesWhoGetsIt) {
   machine_.InDaemon("udp", "127.0.0.1:7000", 360, "stage");
-  machine_.InDaemon("udp", "127.0.0.1:7010", 0, "other");  // else nobody is told of the phone
+  machine_.InDaemon("udp", "127.0.0.1:7010", 0, "other");  // otherwise the phone is not mentioned
   machine_.LivePerformer("stage.anna");
   machine_.Grow("publish.subscriptions", 1);
   const auto smile = What(Format::kLiveLinkFace, Verdict::kPose, "facial expressions");

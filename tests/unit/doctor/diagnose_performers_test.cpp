@@ -10,7 +10,7 @@ struct PerformersTest : ::testing::Test {
     machine.InDaemon("udp", "0.0.0.0:7000", 360);
     machine.LivePerformer("suit.b");
   }
-  // A row of the status before and after; `refused` and `published` grow by so much.
+  // A row of the status before and after; `refused` and `published` grow by these numbers.
   v1::PerformerStats& Add(const std::string& id, std::uint64_t refused, std::uint64_t published) {
     auto& before = *machine.facts.daemon.before.mutable_stats()->add_performers();
     before.set_performer(id);

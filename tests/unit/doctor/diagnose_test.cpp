@@ -189,7 +189,7 @@ TEST_F(DiagnoseTest, ARuleThatMayDropIsSaidBesideTheSilence) {
   EXPECT_NE(machine_.First().why.find("ip filter ufw: reject"), std::string::npos);
 }
 
-// Loopback, a tunnel: what arrives contradicts the rules.
+// Loopback, a tunnel: the arriving datagrams contradict the rules.
 TEST_F(DiagnoseTest, WhereDatagramsArriveNoFirewallIsBlamed) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 180).firewall = {Firewall::Verdict::kDropped, "rule"};
   machine_.LivePerformer("suit.anna");

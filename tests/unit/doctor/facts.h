@@ -46,7 +46,7 @@ class Machine {
     facts.daemon.state = DaemonFacts::State::kAnswers;
   }
 
-  // In the daemon, which receives so much of it.
+  // In the daemon, which receives this many datagrams.
   SourceFacts& InDaemon(const std::string& type, const std::string& listen, std::uint64_t received,
                         const std::string& name = "suit") {
     SourceFacts& source = facts.sources.emplace_back();

@@ -270,7 +270,7 @@ TEST(MvnTranslator, ASampleThatNeverGetsAllItsSegmentsIsCountedAndSaidOnceASecon
   EXPECT_NE(got.notes[1].find("(100 times)"), std::string::npos) << got.notes[1];
 }
 
-// Neither sample nor datagram is numbered: each begins anew, none vanishes.
+// Neither sample nor datagram is numbered: each restarts its count, none vanishes.
 TEST(MvnTranslator, PartsThatAreNotNumberedAreCounted) {
   Translated got(MakeMvn(Config()));
   Sender sender;

@@ -105,7 +105,7 @@ class Session {
     transport->DoWork(pipeline);
     return true;
   }
-  // Answers everything that the server was asked.
+  // Answers all requests to the server.
   int Answer() {
     int answered = 0;
     Bytes buffer(2000);

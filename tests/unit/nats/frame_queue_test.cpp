@@ -182,7 +182,7 @@ TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
   EXPECT_EQ(newer->payload, "newer");
 }
 
-// A frame must not overtake the body that it needs, whatever gives way.
+// A frame must not overtake the body that it needs, whatever is dropped.
 TEST(FrameQueue, AFrameComesBehindItsBodyWhenOlderOnesGiveWay) {
   FrameQueue queue("s");
   for (int i = 1; i <= 4; ++i) queue.Push("a.a", "rig", "f" + std::to_string(i), 1, 1);

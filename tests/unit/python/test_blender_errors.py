@@ -1,4 +1,4 @@
-"""What the add-on for Blender does when something fails: it is said in a line, and nothing is left half
+"""Errors in the add-on for Blender: each is reported in a line, and nothing is left half
 done. Blender is a stand-in here, as bare as that allows; tests/e2e/blender has the real one."""
 import contextlib
 import io

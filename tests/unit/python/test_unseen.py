@@ -1,4 +1,4 @@
-"""Changes that nobody will see: the Python client says so, on the line that asked for them."""
+"""Changes without a visible effect: the Python client warns, on the line that requested them."""
 import asyncio
 import inspect
 import os
@@ -22,7 +22,7 @@ WEAK = 'the strength of stage.anna is 0: no style is visible'
 
 
 def answer(request):
-    """Of a daemon where stage.anna performs, with strength 0 and a style, and nobody else does."""
+    """The status of a daemon where only stage.anna performs, with strength 0 and a style."""
     reply = control_pb2.Reply()
     for name in ['stage.anna', 'stage.old'] if request.performer == '*' else [request.performer]:
         reply.applied.add(performer=name, first_sequence=7, absent=name != 'stage.anna',
@@ -45,7 +45,7 @@ class UnseenTest(unittest.TestCase):
         warnings.simplefilter('always')
 
     def heard(self):
-        """What was said since the last call."""
+        """The warnings since the last call."""
         said = [(w.category, str(w.message), w.filename, w.lineno) for w in self.said]
         self.said.clear()
         return said
@@ -67,7 +67,7 @@ class UnseenTest(unittest.TestCase):
             applied, line = control.set('stage.anna', style='old'), here()
             self.assertEqual(applied.no_strength, {'stage.anna'})
             self.assertEqual(self.heard(), [(styled.NoStrength, WEAK, __file__, line)])
-            control.set('stage.anna', style='old', strength=0)  # as was wanted
+            control.set('stage.anna', style='old', strength=0)  # as requested
             control.pin('stage.anna')
             self.assertEqual(self.heard(), [])
 
@@ -110,7 +110,8 @@ class UnseenTest(unittest.TestCase):
 
 
 def publish(publisher, performer, names, stream, sequence):
-    """What a daemon sends of a performer with these avatars: bodies to whoever asks, and a frame."""
+    """A daemon's frames of a performer with these avatars: bodies for new subscriptions, and a
+    frame."""
     for name in ('', *names):
         body = body_pb2.Body(performer=performer, names=['hips'], parents=[-1], offsets=[0, 1, 0], hash=7,
                              output=body_pb2.OUTPUT_AVATAR if name else body_pb2.OUTPUT_RIG, output_name=name)
@@ -132,7 +133,7 @@ class SilenceTest(unittest.TestCase):
         self.addCleanup(patience.stop)
 
     def hears(self, category, text, seconds=10, **arguments):
-        """Reads until a warning, or for so long; frames of rig.a come all the while."""
+        """Reads until a warning, or for this long; frames of rig.a arrive all the while."""
         with warnings.catch_warnings(record=True) as said, \
                 styled.Subscriber(self.endpoint, **arguments) as subscriber:
             warnings.simplefilter('always')
@@ -158,7 +159,7 @@ class SilenceTest(unittest.TestCase):
     def test_who_and_what_is_there_is_not_missed(self):
         self.hears(None, '', seconds=1, performer='rig.a', streams=['rig', 'hero'])
         self.hears(None, '', seconds=1, streams='canonical')
-        self.publisher.close(0)  # without a daemon nobody is missed
+        self.publisher.close(0)  # without a daemon no performer is missed
         with warnings.catch_warnings(record=True) as said, \
                 styled.Subscriber('ipc:///tmp/styled-nobody', performer='rig.b') as subscriber:
             warnings.simplefilter('always')

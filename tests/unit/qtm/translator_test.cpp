@@ -60,7 +60,7 @@ class QtmTranslatorTest : public testing::Test {
     ASSERT_TRUE(translator().ready());
     translated_.items.clear();
   }
-  // Whether these parameters were asked for.
+  // Whether these parameters were requested.
   bool Answers(const Bytes& xml) {
     const std::uint64_t before = translated_.Count(Counter::kSourceIgnored);
     Handle(xml);
@@ -181,7 +181,7 @@ TEST_F(QtmTranslatorTest, NamesWhatTheServerSaysAndReadsOldOnes) {
                   "server 192.0.2.7: QTM RT 1.20, +Z up, skeletons: a"));
 }
 
-// Each connection is told anew, but of a server that comes and goes once a minute.
+// Each connection is reported, but those of an unstable server only once a minute.
 TEST_F(QtmTranslatorTest, ComplaintsOfAnotherConnectionAreSaidAgain) {
   Connect(Described({}));
   ASSERT_EQ(translated_.notes.size(), 2U);
@@ -222,7 +222,7 @@ TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
 TEST_F(QtmTranslatorTest, AGreetingBeginsTheDialogueAnewAndNothingOfTheOldIsAsked) {
   Connect(Described({}));
   Handle(Error("Parse error"));
-  Handle(Error("Parse error"));  // StreamFrames would be sent again, and skeletons be asked for
+  Handle(Error("Parse error"));  // StreamFrames and the request for skeletons would be sent again
   Handle(Command("QTM RT Interface connected"));
   EXPECT_FALSE(translator().ready());
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns);
@@ -513,7 +513,7 @@ TEST_F(QtmTranslatorTest, DoesNotAllocateForFrames) {
   EXPECT_EQ(support::Allocations(translated_.translator(), next, translated_.now_ns), 0);
 }
 
-// What frames and events make it ask, too.
+// The requests that frames and events cause, too.
 TEST_F(QtmTranslatorTest, DoesNotAllocateToReadSkeletonsAnew) {
   Connect(Described({"a", "b"}));
   Handle(FrameAt(10'000, 1, {body::Pose(), body::Pose()}));

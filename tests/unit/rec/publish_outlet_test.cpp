@@ -21,7 +21,7 @@ class PublishOutletTest : public ::testing::Test {
     ASSERT_TRUE(made.ok()) << made.status().message();
     outlet_ = std::move(made.value());
   }
-  // Subscribes and waits until the outlet has heard of it.
+  // Subscribes and waits until the outlet has the subscription.
   void Subscribe(const std::string& topic) {
     const int before = outlet_->subscriptions();
     if (!connected_) socket_.connect(outlet_->endpoint());

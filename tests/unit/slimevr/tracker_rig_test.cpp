@@ -33,7 +33,7 @@ config::Source Config(std::vector<config::Tracker> trackers = {}) {
   return config;
 }
 
-// A TrackerRig with what it says.
+// A TrackerRig with its events.
 struct RigBench final : Receiver {
   explicit RigBench(const config::Source& config) : rig(config) {}
 

@@ -435,7 +435,7 @@ TEST(SlimeVrTakeover, AnotherDeviceIsRefusedWhereATrackerIsLive) {
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
 }
 
-// Who forges the address that they send from never sees our ping.
+// A sender that forges its address never sees our ping.
 TEST(SlimeVrTakeover, AnAddressThatAnswersNoPingIsHeldForTwoSecondsOnly) {
   Bench bench;
   Board forged;

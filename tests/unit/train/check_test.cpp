@@ -1,4 +1,4 @@
-// What is wrong with a run is said at once, before anything is trained.
+// Errors of a run are reported at once, before anything is trained.
 
 #include "model/train/check.h"
 

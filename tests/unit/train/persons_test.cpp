@@ -14,7 +14,7 @@ namespace {
 using judge::kRate_hz;
 using judge::Walk;
 
-// Somebody with a bent neck; `person` empty: the set's performer.
+// A person with a bent neck; `person` empty: the set's performer.
 TrainingClip Clip(const std::string& person, float bent_rad, std::vector<body::Pose> poses) {
   TrainingClip clip;
   clip.person = person;

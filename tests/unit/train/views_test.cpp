@@ -1,4 +1,4 @@
-// What critics of a part of a window see.
+// The views of critics of a part of a window.
 
 #include "model/train/erd/views.h"
 

@@ -13,7 +13,7 @@ namespace {
 using runtime::Counter;
 using support::Bytes;
 
-// What comes out, whole.
+// The records, whole.
 class Collector final : public Receiver {
  public:
   void OnFrames(int, std::span<const SourceFrame> frames, bool) override {

@@ -49,7 +49,7 @@ std::vector<std::byte> Report(std::initializer_list<Record> records) {
 
 class SlimeVrHidTest : public testing::Test {
  protected:
-  // Both trackers' records for so long, a report every 5 ms.
+  // Both trackers' records for this long, a report every 5 ms.
   void Wear(std::int64_t for_ns) {
     for (std::int64_t t = 0; t < for_ns; t += 5 * kMs) {
       out.now_ns += 5 * kMs;

@@ -77,7 +77,7 @@ class Avatar {
   std::vector<std::pair<std::string, Place>> places;
 };
 
-// Says what is said of a datagram, and of the silence that ends a first frame.
+// Returns the messages about a datagram, and about the silence that ends a first frame.
 std::vector<Translated::Item> SaidWithSilence(Translated& translated, const Bytes& datagram,
                                               std::uint64_t peer = 1) {
   auto said = Said(translated, datagram, peer);

@@ -1,4 +1,4 @@
-// What stylevmc sends to VRChat is a body again in a source of type "vrchat".
+// The output of stylevmc for VRChat is a body again in a source of type "vrchat".
 #include <gtest/gtest.h>
 
 #include "clients/vmc/vrchat_feed.h"

@@ -15,7 +15,7 @@ using std::chrono::seconds;
 
 struct Tab : Browser {
   void Offer(const MessagePtr& message) override { got.push_back(message); }
-  // What came under `topic` since the last look.
+  // The messages under `topic` since the last call.
   std::vector<std::string> Pop(const std::string& topic) {
     std::vector<std::string> payloads;
     for (const MessagePtr& message : got) {
