@@ -76,7 +76,7 @@ struct Stylist::Impl {
 
   void Restart() noexcept;
   void RestartAfterGap() noexcept;
-  void JudgeFrame(std::int64_t time_ns, Output& out) noexcept;
+  void CheckTiming(std::int64_t time_ns, Output& out) noexcept;
   void UpdateTravel(Output& out) noexcept;
   void FallBackToInput(Output& out) noexcept;
   bool Bypassed() const noexcept;
@@ -226,7 +226,7 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   last_ns = time_ns;
   out.flags = 0;
   input_guard.HoldBadJoints(in, out.source, out.held);
-  JudgeFrame(time_ns, out);
+  CheckTiming(time_ns, out);
   binding->Bind(input_guard.clean(), out.canonical_input);
   mixer.Advance(dt_s);
   if (rests && Bypassed()) predictor.Skip();
@@ -259,7 +259,7 @@ void Stylist::Impl::UpdateTravel(Output& out) noexcept {
 }
 
 // Handles jumps, gaps and changes of rate; sets kConcealed.
-void Stylist::Impl::JudgeFrame(std::int64_t time_ns, Output& out) noexcept {
+void Stylist::Impl::CheckTiming(std::int64_t time_ns, Output& out) noexcept {
   const InputGuard::Jump jump = input_guard.JudgeJump(dt_s, binding->scale(), options, out.source);
   if (jump == InputGuard::Jump::kHeld) {
     out.held.set(0);
