@@ -98,7 +98,7 @@ bool FilesThread::DoTurn() {
 
 void FilesThread::Reload() {
   notifier_.Reloading(clock_.Now_ns());
-  const Status status = TakeOver();
+  const Status status = Adopt();
   const std::string refused = status.ok() ? "" : status.message();
   if (!status.ok()) {
     counters_.Add(runtime::Counter::kConfigReloadsRefused);
@@ -111,7 +111,7 @@ void FilesThread::Reload() {
   notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused);
 }
 
-Status FilesThread::TakeOver() {
+Status FilesThread::Adopt() {
   auto fresh = config::Load(origin_.file, origin_.overrides);
   if (!fresh.ok()) return fresh.status();
   std::uint32_t crc = weights_crc_;

@@ -54,7 +54,7 @@ class FilesThread {
   void Run();
   bool DoTurn();
   void Reload();
-  Status TakeOver();
+  Status Adopt();
   void WarnOfRestartKeys(const config::Config& fresh) const;
   void DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange);
   // `newest` replaces the profiles in the mailbox: profiles that did not fit into it.

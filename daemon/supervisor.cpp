@@ -37,7 +37,7 @@ namespace {
 constexpr int kTick_ms = 200;
 
 // Whether the two daemons of [standby] show each other their keys.
-bool AsksPeer(const config::Config& config) {
+bool ExchangesKeys(const config::Config& config) {
   return !config.standby.peer.empty() && !config.standby.peer_key.empty() &&
          !config.security.keys.empty() && !config.standby.allow_unauthenticated_remote;
 }
@@ -144,9 +144,9 @@ Status Supervisor::OpenGate() {
   const config::Publish& publish = config_.publish;
   const config::Control& control = config_.control;
   const bool asks =
-      AsksPeer(config_) ||
-      config::AsksForKeys(config_, publish.address, publish.allow_unauthenticated_remote) ||
-      config::AsksForKeys(config_, control.address, control.allow_unauthenticated_remote);
+      ExchangesKeys(config_) ||
+      config::RequiresKeys(config_, publish.address, publish.allow_unauthenticated_remote) ||
+      config::RequiresKeys(config_, control.address, control.allow_unauthenticated_remote);
   if (!asks) return Status::Ok();
   auto opened = security::Gatekeeper::Open(context_, config_.security.keys, counters_);
   if (!opened.ok()) return opened.status();
@@ -158,8 +158,8 @@ Status Supervisor::OpenGate() {
 
 security::Gatekeeper* Supervisor::KeeperOf(const std::string& address,
                                            bool allow_unauthenticated_remote) {
-  return config::AsksForKeys(config_, address, allow_unauthenticated_remote) ? gatekeeper_.get()
-                                                                             : nullptr;
+  return config::RequiresKeys(config_, address, allow_unauthenticated_remote) ? gatekeeper_.get()
+                                                                              : nullptr;
 }
 
 Status Supervisor::OpenSockets() {
@@ -188,7 +188,7 @@ Status Supervisor::OpenSockets() {
 Status Supervisor::OpenStandby() {
   if (config_.standby.peer.empty()) return Status::Ok();
   auto opened = standby::OpenZmqChannel(context_, config_.standby,
-                                        AsksPeer(config_) ? gatekeeper_.get() : nullptr);
+                                        ExchangesKeys(config_) ? gatekeeper_.get() : nullptr);
   if (!opened.ok()) return opened.status();
   standby_fds_ = {opened.value().publish_fd, opened.value().subscribe_fd};
   standby_endpoint_ = opened.value().endpoint;

@@ -25,7 +25,7 @@ class Demand {
   // (source/, frames/) need none.
   std::set<std::string> Subjects() const;
   // Whether a message of that topic has a subscriber.
-  bool Wants(std::string_view topic) const;
+  bool IsSubscribed(std::string_view topic) const;
 
  private:
   std::string site_;

@@ -90,7 +90,7 @@ struct Relay::Inbox {
     const std::uint64_t one = 1;
     (void)!write(wake.get(), &one, sizeof one);
   }
-  void TakeWake() const {
+  void ClearWake() const {
     std::uint64_t count = 0;
     (void)!read(wake.get(), &count, sizeof count);
   }
@@ -222,7 +222,7 @@ void Relay::Step(milliseconds timeout) {
   try {
     zmq::poll(items.data(), items.size(),
               std::clamp(until_repeat, milliseconds(0), std::max(timeout, milliseconds(0))));
-    inbox_->TakeWake();
+    inbox_->ClearWake();
     HandleValues();
     HandleSubscriptions();
     HandleRequests();
@@ -325,7 +325,7 @@ void Relay::SendBodies(std::string_view topic) {
 void Relay::Repeat() {
   next_repeat_ = Clock::now() + kRepeat;
   SendBodies("body/");
-  if (demand_.Wants("stats/")) {
+  if (demand_.IsSubscribed("stats/")) {
     v1::Stats stats;
     for (const auto& [key, value] : values_of_) {
       if (key.find(".performer.") == std::string::npos) continue;

@@ -99,7 +99,7 @@ Status RunRecord(const Arguments& a, const Dependencies& to) {
     to.err << "stylerec: " << a.file << " is empty: nothing arrived\n";
   } else if (counts.messages == counts.statistics && !a.performer.empty()) {
     to.err << "stylerec: " << a.file << " has nothing of " << a.performer << ", only statistics; "
-           << tap.value()->WhoIsThere() << "\n";
+           << tap.value()->ListPerformers() << "\n";
   } else if (counts.messages == counts.statistics && a.topics.empty()) {
     to.err << "stylerec: " << a.file << " has no motion, only statistics\n";
   }

@@ -191,7 +191,7 @@ Vec3 AxisBetween(const std::vector<Vec3>& places, int from, int to) {
 
 // Derives the axes from the T-pose, and the unit if it is not given, as the daemon's binding does
 // (daemon/pipeline/body_binding.cpp).
-void LookAtRest(Take& take) {
+void ReadRest(Take& take) {
   const auto& skeleton = take.skeleton;
   rig::BindingSpec spec;
   spec.skeleton = skeleton;
@@ -229,7 +229,7 @@ void FindMeasures(const styled::v1::Body& body, Take& take) {
   }
   if (rest.empty()) return;
   take.rest = std::move(rest);
-  LookAtRest(take);
+  ReadRest(take);
 }
 
 void SetSkeleton(const styled::v1::Body& body, Take& take) {

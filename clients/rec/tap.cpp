@@ -195,7 +195,7 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
     judged = true;
     const std::string missing = impl_->Missing();
     if (missing.empty()) return;
-    err << "stylerec: " << missing << (heard ? WhoIsThere() : "") << "\n" << std::flush;
+    err << "stylerec: " << missing << (heard ? ListPerformers() : "") << "\n" << std::flush;
   };
   while (status.ok() && !stop && !over()) {
     impl_->Wait(writer);
@@ -210,7 +210,7 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
   return status.ok() ? flushed : status;
 }
 
-std::string Tap::WhoIsThere() const {
+std::string Tap::ListPerformers() const {
   if (impl_->there.empty()) return "no performer is present";
   std::string list;
   for (const auto& id : impl_->there) list += (list.empty() ? "" : ", ") + ForTerminal(id);

@@ -46,7 +46,7 @@ class Tap {
   Status Run(recording::FileWriter& writer, const std::atomic<bool>& stop, std::ostream& err);
   const TapCounts& counts() const;
   // "there are rig.anna, rig.ben": the performers in the received statistics.
-  std::string WhoIsThere() const;
+  std::string ListPerformers() const;
 
  private:
   struct Impl;

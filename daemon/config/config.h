@@ -267,7 +267,8 @@ Status Validate(const Config& config);
 
 // Whether a socket at `address` requires keys: the address is not local, a folder of keys is
 // configured, and unauthenticated clients are not allowed.
-bool AsksForKeys(const Config& config, std::string_view address, bool allow_unauthenticated_remote);
+bool RequiresKeys(const Config& config, std::string_view address,
+                  bool allow_unauthenticated_remote);
 
 // IsName: the rule for names of performers and sources (WIRE.md). IsPerformerId: SOURCE.NAME, where
 // both parts are such names.

@@ -63,7 +63,7 @@ Status CheckSocket(const Config& config, const std::string& name, const Socket& 
                          ".ipc_mode; expected also e.g. ipc_mode = \"0666\"");
   }
   const bool open = section.allow_unauthenticated_remote;
-  if (IsLocal(address) || open || AsksForKeys(config, address, open)) return Status::Ok();
+  if (IsLocal(address) || open || RequiresKeys(config, address, open)) return Status::Ok();
   return Status::Error(name + ".address: " + address + " can be reached from other machines, and " +
                        who +
                        " are not authenticated; expected a loopback or ipc:// address, a folder "
@@ -239,8 +239,8 @@ bool IsPerformerId(std::string_view text) noexcept {
          IsName(text.substr(dot + 1));
 }
 
-bool AsksForKeys(const Config& config, std::string_view address,
-                 bool allow_unauthenticated_remote) {
+bool RequiresKeys(const Config& config, std::string_view address,
+                  bool allow_unauthenticated_remote) {
   return !IsLocal(address) && !config.security.keys.empty() && !allow_unauthenticated_remote;
 }
 

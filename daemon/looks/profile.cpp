@@ -101,14 +101,14 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
       unknown.push_back(entry.style());
       continue;
     }
-    const int varied = AsksForVariations(look) ? VariedStyle(styles, index) : index;
+    const int varied = RequestsVariations(look) ? VariedStyle(styles, index) : index;
     mix.Add(index, varied < 0 ? index : varied, entry.weight());
   }
   return settings;
 }
 
 std::string WithoutVariations(const v1::Look& look, const net::Styles& styles) {
-  if (!AsksForVariations(look)) return "";
+  if (!RequestsVariations(look)) return "";
   for (const auto& entry : look.mix()) {
     const int index = net::FindStyle(styles, entry.style());
     if (index < 0 || VariedStyle(styles, index) >= 0) continue;

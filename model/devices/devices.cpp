@@ -200,7 +200,7 @@ void Devices::PlaceLimb(int index) noexcept {
       lost_[part] = lost_[part] || Untracked(part);
     }
   } else if (free && Untracked(limb.end)) {
-    return LetHang(index, root);
+    return HangLimb(index, root);
   } else {
     for (const int part : {limb.upper, limb.lower}) Inherit(part);
   }
@@ -226,7 +226,7 @@ void Devices::ReachFor(int index, const Vec3& root_m) noexcept {
 }
 
 // A limb without any device.
-void Devices::LetHang(int index, const Vec3& root_m) noexcept {
+void Devices::HangLimb(int index, const Vec3& root_m) noexcept {
   const Limb& limb = LimbOf(index);
   Quat& upper = world_[limb.upper];
   Quat& lower = world_[limb.lower];

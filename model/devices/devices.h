@@ -80,7 +80,7 @@ class Devices {
   void PlaceHips(const Vec3& standing_m) noexcept;
   void PlaceLimb(int limb) noexcept;
   void ReachFor(int limb, const Vec3& root_m) noexcept;
-  void LetHang(int limb, const Vec3& root_m) noexcept;
+  void HangLimb(int limb, const Vec3& root_m) noexcept;
   Vec3 Pole(int limb, const Vec3& wish_m) const noexcept;
   void Finish(body::Pose& pose) noexcept;
 

@@ -149,7 +149,7 @@ inline constexpr float kPostureCrouches_m = 0.25F, kPostureSits_m = 0.4F;
 // hardly styled. Chosen by eye on strips of strangers; no measurement on record.
 inline constexpr float kUnseen_m = 0.015F;
 // Sum of weights times strength from which a style is expected to be visible.
-inline constexpr float kAsksForMuch = 0.5F;
+inline constexpr float kVisibleRequest = 0.5F;
 
 // Time (interleaver.h, stylist.cpp)
 

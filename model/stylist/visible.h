@@ -27,7 +27,7 @@ STYLED_REALTIME Moved MovedBy(const body::Pose& input, const body::Pose& output)
 STYLED_REALTIME bool IsUnseen(const Moved& moved_m) noexcept;
 
 // Whether the settings request enough style to be visible: weights of styles other
-// than neutral of at least tuning::kAsksForMuch together, on the whole body.
-bool AsksForMuch(const Settings& settings) noexcept;
+// than neutral of at least tuning::kVisibleRequest together, on the whole body.
+bool RequestsVisibleStyle(const Settings& settings) noexcept;
 
 }  // namespace styled::stylist

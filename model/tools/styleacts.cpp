@@ -106,7 +106,7 @@ void MeasureStyle(const judge::Poses& input, const judge::Poses& output, int sty
   if (place == real.styles.end()) return;
   const auto at = static_cast<std::size_t>(place - real.styles.begin());
   const Eigen::VectorXd shift = judge::MeasureShift(input, output);
-  row.told.Add(judge::TellByDirection(shift, real.shifts) == static_cast<int>(at) ? 1 : 0);
+  row.told.Add(judge::ClassifyByDirection(shift, real.shifts) == static_cast<int>(at) ? 1 : 0);
   row.expression.Add(judge::MeasureExpression(shift, real.shifts[at]).fraction);
 }
 

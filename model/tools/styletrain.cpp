@@ -245,7 +245,7 @@ Status Run(const Flags& flags, FamilyFlags& family) {
       return row == nullptr ? nullptr : row->export_weights;
     });
   }
-  Needs needs = family.WhatIsNeeded();
+  Needs needs = family.RequiredInputs();
   needs.judges = flags.judges;
   const Status checked = CheckAndSay(flags.run, needs);
   if (!checked.ok()) return checked;

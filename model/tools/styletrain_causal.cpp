@@ -87,7 +87,7 @@ class StGcnCausalFlags : public FamilyFlags {
     return st_gcn_causal::MakeRecipe(run, config_);
   }
 
-  Needs WhatIsNeeded() const override {
+  Needs RequiredInputs() const override {
     Needs needs = NeedsOfGraphs();
     if (!config_.init.empty()) needs.files.emplace_back("--init", config_.init);
     return needs;

@@ -220,7 +220,7 @@ class StyleErdFlags : public FamilyFlags {
     return style_erd::MakeRecipe(run, config_);
   }
 
-  Needs WhatIsNeeded() const override {
+  Needs RequiredInputs() const override {
     Needs needs;
     needs.rate_hz = config_.rate_hz;
     needs.train_frames = needs.window_frames = config_.window + 1;

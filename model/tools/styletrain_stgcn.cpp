@@ -138,7 +138,7 @@ class StGcnFlags : public FamilyFlags {
     return st_gcn::MakeRecipe(run, config_);
   }
 
-  Needs WhatIsNeeded() const override { return NeedsOfGraphs(); }
+  Needs RequiredInputs() const override { return NeedsOfGraphs(); }
 
  private:
   st_gcn::Config config_;

@@ -289,12 +289,12 @@ std::optional<neutral::Known> Restyler::NeutralOf(const clip::Clip& clip,
   return neutral_;
 }
 
-bool Restyler::WantsMuch() const {
+bool Restyler::RequestsVisibleStyle() const {
   if (network_.clips) {
-    return clip_style_.weight >= stylist::tuning::kAsksForMuch &&
+    return clip_style_.weight >= stylist::tuning::kVisibleRequest &&
            clip_style_.parts == body::kAllParts;
   }
-  return stylist::AsksForMuch(settings_);
+  return stylist::RequestsVisibleStyle(settings_);
 }
 
 Result<Styled> Restyler::Run(const std::string& file,
@@ -349,7 +349,7 @@ Result<Styled> Restyler::Run(const std::string& file,
   result.turned_deg = effect.Turned_deg();
   result.moved_cm = effect.Moved_cm();
   result.seconds = effect.seconds();
-  if (WantsMuch()) result.unseen_s = effect.unseen_s();
+  if (RequestsVisibleStyle()) result.unseen_s = effect.unseen_s();
   result.shown = effect.Shown();
   return result;
 }

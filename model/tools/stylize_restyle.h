@@ -67,7 +67,7 @@ class Restyler {
 
  private:
   Restyler() = default;
-  bool WantsMuch() const;
+  bool RequestsVisibleStyle() const;
   std::optional<neutral::Known> NeutralOf(const clip::Clip& clip,
                                           const rig::Binding& binding) const;
 

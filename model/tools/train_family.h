@@ -23,7 +23,7 @@ class FamilyFlags {
   virtual Status Resolve(const CLI::App& app) = 0;
   virtual Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const = 0;
   // The recipe's requirements for clips and files; the caller sets `judges`.
-  virtual Needs WhatIsNeeded() const = 0;
+  virtual Needs RequiredInputs() const = 0;
   // For a run whose results are discarded: a shorter start before the first iteration.
   virtual void ShortenStart() {}
 };

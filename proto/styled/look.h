@@ -91,7 +91,7 @@ inline constexpr auto kLookFields = std::to_array<LookField>({
 });
 
 // Whether a look asks for variations of its styles.
-bool AsksForVariations(const v1::Look& look);
+bool RequestsVariations(const v1::Look& look);
 
 // Whether the field can have this value (false for NaN); and the description of its range, e.g. "0
 // to 1.5".

@@ -16,16 +16,16 @@ std::string CountsOf(std::uint64_t part, std::uint64_t all) {
 }  // namespace
 
 bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
-  const Wanted& wanted = source.wanted;
+  const ExpectedSource& expected = source.expected;
   const Tally& tally = evidence.tally;
-  if (wanted.format == Format::kUnknown) return true;
+  if (expected.format == Format::kUnknown) return true;
   if (tally.Count() == 0) return CountersOfContent(source, evidence);
-  const std::string name(Row(wanted.format).name);
-  const std::uint64_t own = tally.Count(wanted.format);
+  const std::string name(Row(expected.format).name);
+  const std::uint64_t own = tally.Count(expected.format);
   if (own > 0) {
     if (10 * (tally.Count() - own) > own) {
       Report(Severity::kWarning, Step::kFormat, &source, "mixed_formats",
-             "Beside " + name + " something else arrives at " + PlaceOf(wanted) + ".",
+             "Beside " + name + " something else arrives at " + PlaceOf(expected) + ".",
              CountsOf(tally.Count() - own, tally.Count()) + " datagrams, from " +
                  evidence.Senders() + ": " + tally.Kinds(Format::kUnknown) +
                  tally.Kinds(tally.MainFormat()) + ".",
@@ -38,24 +38,24 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
                           ": " + tally.Kinds(found) + ".";
   if (found == Format::kUnknown) {
     Report(Severity::kProblem, Step::kFormat, &source, "unknown_format",
-           "The data for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
+           "The data for " + Label(source) + " at " + PlaceOf(expected) + " is not " + name +
                ", nor another format that is known here.",
-           why, "Check the sender's output settings. " + InTheSender(wanted));
+           why, "Check the sender's output settings. " + InTheSender(expected));
     return false;
   }
   Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
-         std::string(Row(found).name) + " arrives at " + PlaceOf(wanted) + ", but " +
-             Label(source) + " is of type \"" + wanted.type + "\" (" + name + ").",
+         std::string(Row(found).name) + " arrives at " + PlaceOf(expected) + ", but " +
+             Label(source) + " is of type \"" + expected.type + "\" (" + name + ").",
          why,
-         "Set type = \"" + std::string(TypeFor(found, wanted.stream)) + "\" for " + wanted.name +
-             (Row(found).face_only ? " with" + MergeInto(found) : "") +
+         "Set type = \"" + std::string(TypeFor(found, expected.stream)) + "\" for " +
+             expected.name + (Row(found).face_only ? " with" + MergeInto(found) : "") +
              " and restart the daemon, or switch the sender to " + name + ".");
   return false;
 }
 
 // Whether the datagrams contain poses.
 bool Examination::Use(const SourceFacts& source, const Tally& tally) {
-  const Format format = source.wanted.format;
+  const Format format = source.expected.format;
   const std::string name(Row(format).name);
   const std::uint64_t own = tally.Count(format);
   const auto count = [&](Verdict verdict) { return tally.Count(format, verdict); };
@@ -86,7 +86,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
            version ? "unusable_version" : "unusable_mode",
            name + " arrives for " + Label(source) + ", but in a " + (version ? "version" : "mode") +
                " that the daemon cannot use.",
-           "It sends: " + kinds + ".", InTheSender(source.wanted));
+           "It sends: " + kinds + ".", InTheSender(source.expected));
     return false;
   }
   // A tracker that searches for a server sends nothing else until it has found one.
@@ -98,7 +98,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
       format == Format::kSlimeVr
           ? "The trackers do not send rotations: check their sensors, and whether another server "
             "answers them."
-          : InTheSender(source.wanted));
+          : InTheSender(source.expected));
   return false;
 }
 
@@ -113,8 +113,8 @@ void Examination::NoSkeleton(const SourceFacts& source, const std::string& why) 
 // The daemon holds the port, so that its bytes cannot be read here: this uses the daemon's
 // counters.
 bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& evidence) {
-  const std::string name(Row(source.wanted.format).name);
-  const bool native = source.wanted.format == Format::kNative;
+  const std::string name(Row(source.expected.format).name);
+  const bool native = source.expected.format == Format::kNative;
   const auto grown = [&](std::initializer_list<const char*> names) {
     std::uint64_t sum = 0;
     for (const char* counter : names) sum += GrownOf(source, counter);
@@ -133,12 +133,12 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
   const std::string see = " With sudo, doctor sees the datagrams themselves and names the format.";
   if (foreign >= half || (!native && malformed >= half)) {
     const std::uint64_t not_ours = native ? foreign : malformed;
-    Report(
-        Severity::kProblem, Step::kFormat, &source, "wrong_format",
-        "The data for " + Label(source) + " at " + PlaceOf(source.wanted) + " is not " + name + ".",
-        CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
-        "Set the type of " + source.wanted.name + " to what the rig sends, or the rig to " + name +
-            "." + see);
+    Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
+           "The data for " + Label(source) + " at " + PlaceOf(source.expected) + " is not " + name +
+               ".",
+           CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
+           "Set the type of " + source.expected.name + " to what the rig sends, or the rig to " +
+               name + "." + see);
     return false;
   }
   if (version >= half) {
@@ -227,11 +227,11 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
                   Label(source) + ": no frames, because " + cause.what + ".", counter + " grew.",
                   cause.change);
   }
-  const bool trackers = source.wanted.format == Format::kSlimeVr;
-  const bool parts = source.wanted.format == Format::kVmc && source.wanted.merge_into.empty();
+  const bool trackers = source.expected.format == Format::kSlimeVr;
+  const bool parts = source.expected.format == Format::kVmc && source.expected.merge_into.empty();
   Report(
       Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
-      Label(source) + " receives " + std::string(Row(source.wanted.format).name) +
+      Label(source) + " receives " + std::string(Row(source.expected.format).name) +
           ", but no performer appears.",
       std::to_string(evidence.arrived) + " datagrams arrived in " + Seconds(facts_.seconds) + "." +
           (maybe.empty()

@@ -85,11 +85,11 @@ void Examination::Counters() {
     const std::string& name = counter.name();
     const std::uint64_t grown = facts_.Grown(name);
     if (grown == 0 || (formats && Contains(kFormatCounters, name))) continue;
-    const bool said = std::ranges::any_of(findings_, [&](const Finding& finding) {
+    const bool reported = std::ranges::any_of(findings_, [&](const Finding& finding) {
       return finding.why.find(name) != std::string::npos;
     });
-    if (said || (name == "source.kernel_dropped" && Said("kernel_drops")) ||
-        (name == "pipeline.second_sender" && Said("second_sender"))) {
+    if (reported || (name == "source.kernel_dropped" && Reported("kernel_drops")) ||
+        (name == "pipeline.second_sender" && Reported("second_sender"))) {
       continue;
     }
     const CounterWords words = WordsOf(name);
@@ -102,7 +102,7 @@ void Examination::Counters() {
   }
 }
 
-bool Examination::Said(std::string_view code) const {
+bool Examination::Reported(std::string_view code) const {
   return std::ranges::any_of(findings_,
                              [code](const Finding& finding) { return finding.code == code; });
 }

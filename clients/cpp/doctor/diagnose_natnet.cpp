@@ -7,7 +7,7 @@ namespace styled::doctor {
 
 void Examination::NatNet(const SourceFacts& source) {
   if (facts_.daemon_answers() && !source.in_daemon &&
-      source.wanted.origin == Wanted::Origin::kConfig) {
+      source.expected.origin == ExpectedSource::Origin::kConfig) {
     Port(source);
     return;
   }
@@ -42,14 +42,14 @@ void Examination::Unasked(const SourceFacts& source) {
       "itself. ";
   if (*source.received > 0) {
     return Report(Severity::kProblem, Step::kFrames, &source, "no_frames",
-                  Label(source) + ": the NatNet server at " + ToString(source.wanted.listen) +
+                  Label(source) + ": the NatNet server at " + ToString(source.expected.listen) +
                       " answers, but no performer appears.",
                   std::to_string(*source.received) + " datagrams came from it.",
                   ask + std::string(Row(Format::kNatNet).in_the_sender));
   }
   Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
          "Nothing arrives for " + Label(source) + " from its NatNet server at " +
-             ToString(source.wanted.listen) + ": it does not answer the daemon.",
+             ToString(source.expected.listen) + ": it does not answer the daemon.",
          "The daemon received nothing in " + Seconds(facts_.seconds) + ".",
          ask + "See that server = names the machine that Motive runs on. " +
              std::string(Row(Format::kNatNet).in_the_sender));
@@ -113,7 +113,7 @@ bool Examination::Server(const SourceFacts& source) {
 
 bool Examination::Group(const SourceFacts& source) {
   const NatNetAnswers& answers = *source.natnet;
-  const std::string group = answers.group.empty() ? source.wanted.group : answers.group;
+  const std::string group = answers.group.empty() ? source.expected.group : answers.group;
   const std::string place = ToString({group, answers.data_port});
   const Interface* chosen = FindInterface(facts_.interfaces, source.group_interface);
   Tally tally;
@@ -164,7 +164,7 @@ bool Examination::GroupElsewhere(const SourceFacts& source, const std::string& g
            "Frames of the group " + ToString(flow->to) + " come by " + flow->interface + ", but " +
                Label(source) + " listens on " + name + ".",
            std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ".",
-           "Set interface = \"" + flow->interface + "\" for " + source.wanted.name +
+           "Set interface = \"" + flow->interface + "\" for " + source.expected.name +
                " and restart the daemon.");
     return true;
   }

@@ -151,7 +151,7 @@ void Examination::Performers() {
 
 bool Examination::RefusesPerformers(const SourceFacts& source) const {
   return std::ranges::any_of(facts_.daemon.after.stats().performers(), [&](const auto& performer) {
-    return performer.performer().starts_with(source.wanted.name + ".") &&
+    return performer.performer().starts_with(source.expected.name + ".") &&
            !performer.refused_as().empty() && !performer.live();
   });
 }

@@ -12,7 +12,7 @@ std::string TheSettings() {
 
 void Examination::Qtm(const SourceFacts& source) {
   if (facts_.daemon_answers() && !source.in_daemon &&
-      source.wanted.origin == Wanted::Origin::kConfig) {
+      source.expected.origin == ExpectedSource::Origin::kConfig) {
     Port(source);
     return;
   }
@@ -39,13 +39,13 @@ void Examination::Qtm(const SourceFacts& source) {
                     answers.server.host + " work?");
   }
   if (!answers.greeted) {
-    const bool full = answers.said.find("Max number") != std::string::npos;
+    const bool full = answers.text.find("Max number") != std::string::npos;
     return fail(Step::kFormat, full ? "qtm_full" : "qtm_no_greeting",
                 full ? "QTM at " + server + " has no room for another client."
                      : "The program at " + server + " does not greet like QTM.",
-                answers.said.empty()
+                answers.text.empty()
                     ? answers.refused.empty() ? "It sent nothing." : answers.refused + "."
-                    : "It sent: " + answers.said,
+                    : "It sent: " + answers.text,
                 full ? "QTM takes ten clients: close one of the others."
                      : "The port must be QTM's little-endian one: the base port and 1, as a rule "
                        "22223 (22222 and 22224 are different ports).");
@@ -53,13 +53,13 @@ void Examination::Qtm(const SourceFacts& source) {
   if (answers.minor == 0) {
     return fail(Step::kVersion, "unusable_version",
                 "QTM at " + server + " speaks none of QTM RT 1.19 to 1.25.",
-                answers.said.empty() ? "" : "It answered: " + answers.said,
+                answers.text.empty() ? "" : "It answered: " + answers.text,
                 "Skeletons need QTM 2019 or later: update it.");
   }
   if (!answers.skeletons_answered || answers.skeletons == 0) {
     return fail(
         Step::kSkeleton, "no_skeleton", "QTM at " + server + " has no skeleton.",
-        answers.said.empty() ? "Its answer lists no skeletons." : "It answered: " + answers.said,
+        answers.text.empty() ? "Its answer lists no skeletons." : "It answered: " + answers.text,
         "In QTM calibrate a skeleton of the performer. " + TheSettings());
   }
   if (answers.frames == 0) {

@@ -64,7 +64,7 @@ class Examination {
   void Counters();
   void Lateness();
   void Recording();
-  bool Said(std::string_view code) const;  // a finding of that code is there
+  bool Reported(std::string_view code) const;  // a finding of that code is there
 
   // diagnose_natnet.cpp
   void NatNet(const SourceFacts& source);
@@ -83,10 +83,10 @@ class Examination {
   // one.
   std::uint64_t GrownOf(const SourceFacts& source, const std::string& counter) const;
   // What to check in the source's sender.
-  static std::string InTheSender(const Wanted& wanted);
+  static std::string InTheSender(const ExpectedSource& expected);
   // Those in `heard`, and those in `seen` that have no counterpart in `heard`.
   std::vector<const Flow*> Flows() const;
-  static bool Reaches(const Flow& flow, const Wanted& wanted);
+  static bool Reaches(const Flow& flow, const ExpectedSource& expected);
   bool Claimed(const Flow& flow) const;
   bool HasLivePerformer(const SourceFacts& source) const;
   // Whether the source has a live performer, or another source of the same name receives datagrams.
@@ -103,6 +103,6 @@ class Examination {
 std::uint64_t ValueOf(const v1::StatusReply& status, const std::string& counter);
 
 // "0.0.0.0:9763/udp".
-std::string PlaceOf(const Wanted& wanted);
+std::string PlaceOf(const ExpectedSource& expected);
 
 }  // namespace styled::doctor

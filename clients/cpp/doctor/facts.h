@@ -36,7 +36,7 @@ struct DaemonFacts {
 };
 
 struct SourceFacts {
-  Wanted wanted;
+  ExpectedSource expected;
   bool in_daemon = false;                 // the running daemon has this source
   std::optional<std::uint64_t> received;  // by the daemon, during listening
   std::optional<PortState> port;          // empty: not examined

@@ -16,7 +16,7 @@ struct QtmAnswers {
   bool connected = false;  // TCP
   std::string refused;     // why not, or why the connection ended
   bool greeted = false;
-  std::string said;  // first text that is not a greeting: an error's text, or another program's
+  std::string text;  // first text that is not a greeting: an error's text, or another program's
   int minor = 0;     // of version 1.x; 0: none of the requested ones
   bool skeletons_answered = false;
   std::size_t skeletons = 0;

@@ -58,7 +58,7 @@ void ReportText(Session& session, const v1::CalibrateReply& reply, bool forgotte
 }
 
 // Requests the row of the session's performer; empty if the performer has left.
-client::CallStatus AskNeutral(Session& session, std::optional<v1::NeutralStats>& neutral) {
+client::CallStatus QueryNeutral(Session& session, std::optional<v1::NeutralStats>& neutral) {
   neutral.reset();
   v1::StatusReply status;
   client::CallStatus asked = session.control().Status(&status);
@@ -79,7 +79,7 @@ int AwaitNeutral(Session& session, float seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<float>(seconds + 5);
   do {
     std::this_thread::sleep_for(std::chrono::milliseconds(250));
-    const client::CallStatus asked = AskNeutral(session, neutral);
+    const client::CallStatus asked = QueryNeutral(session, neutral);
     if (!asked.ok()) return session.Fail(asked);
   } while (neutral && neutral->calibrates_s() > 0 && std::chrono::steady_clock::now() < end);
   const bool done = neutral && neutral->calibrated();

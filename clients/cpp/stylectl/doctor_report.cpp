@@ -88,14 +88,14 @@ std::string InterfacesText(const Facts& facts) {
 std::string SourcesText(const Facts& facts) {
   std::vector<std::vector<std::string>> rows{{"SOURCE", "TYPE", "LISTENS", "HELD BY", "RECEIVED"}};
   for (const SourceFacts& source : facts.sources) {
-    const auto& wanted = source.wanted;
+    const auto& expected = source.expected;
     std::string holder = source.in_daemon ? "styled" : "nobody";
     if (!source.in_daemon && !source.holders.empty()) holder = source.holders.front().program;
     if (holder.empty()) holder = "another user";
-    const std::string asks = doctor::Row(wanted.format).asks_server ? "asks " : "";
-    rows.push_back({wanted.name, wanted.type,
-                    wanted.network ? asks + PlaceOf(wanted.listen, wanted.stream) : "-", holder,
-                    source.received ? std::to_string(*source.received) : "-"});
+    const std::string asks = doctor::Row(expected.format).asks_server ? "asks " : "";
+    rows.push_back({expected.name, expected.type,
+                    expected.network ? asks + PlaceOf(expected.listen, expected.stream) : "-",
+                    holder, source.received ? std::to_string(*source.received) : "-"});
   }
   return Table(rows);
 }
@@ -158,9 +158,9 @@ std::string PerformersText(const Facts& facts) {
 }
 
 json SourceJson(const SourceFacts& source) {
-  json out{{"name", source.wanted.name},
-           {"type", source.wanted.type},
-           {"listen", doctor::ToString(source.wanted.listen)},
+  json out{{"name", source.expected.name},
+           {"type", source.expected.type},
+           {"listen", doctor::ToString(source.expected.listen)},
            {"in_daemon", source.in_daemon},
            {"kernel_drops", source.drops}};
   if (source.received) out["received"] = *source.received;

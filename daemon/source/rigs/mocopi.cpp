@@ -44,14 +44,14 @@ class Sender {
   void Handle(const mocopi::Datagram& datagram, std::int64_t now_ns, Outbox& out) {
     seen_ns_ = now_ns;
     if (datagram.kind == mocopi::Datagram::Kind::kSkeleton) {
-      TakeSkeleton(datagram.skeleton, out);
+      HandleSkeleton(datagram.skeleton, out);
     } else {
-      TakeFrame(datagram.frame, now_ns, out);
+      HandleFrame(datagram.frame, now_ns, out);
     }
   }
 
  private:
-  void TakeSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
+  void HandleSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
     if (stream_.has_body() && skeleton == skeleton_) return;  // repeated every 3.5 s
     out.LeaveHotSection();
     skeleton_ = skeleton;
@@ -59,10 +59,10 @@ class Sender {
     pose_ = rig::RigPose(stream_.body().skeleton);
   }
 
-  void TakeFrame(const mocopi::Frame& frame, std::int64_t now_ns, Outbox& out) {
+  void HandleFrame(const mocopi::Frame& frame, std::int64_t now_ns, Outbox& out) {
     PerformerStream::FrameInfo info;
     if (!Admit(frame, info.lost, out)) return;
-    if (!stream_.has_body()) TakeSkeleton(mocopi::UsualSkeleton(), out);
+    if (!stream_.has_body()) HandleSkeleton(mocopi::UsualSkeleton(), out);
     for (std::size_t id = 0; id < mocopi::kBones; ++id) {
       const auto& r = frame.bones[id].rotation;
       pose_.rotations[id] = rig::Quat(r[3], r[0], r[1], r[2]);

@@ -61,24 +61,24 @@ class Character {
   std::string_view performer() const { return stream_ ? stream_->performer() : std::string_view(); }
   const std::string& called() const { return called_; }
 
-  void TakeName(std::string_view name) {
+  void HandleName(std::string_view name) {
     if (!stream_ && !name.empty()) called_ = MakeName(name);
   }
-  void TakeScale(const mvn::Scale& scale, Outbox& out);
-  STYLED_REALTIME void TakeTimecode(const mvn::Timecode& given) noexcept {
+  void HandleScale(const mvn::Scale& scale, Outbox& out);
+  STYLED_REALTIME void HandleTimecode(const mvn::Timecode& given) noexcept {
     timecode_ = {given.hours, given.minutes, given.seconds, given.milliseconds, 1000, false};
     has_timecode_ = true;
   }
   // Handles one datagram's part of a pose. `performer` supplies the name once it is needed.
   template <typename MakePerformer>
-  void TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
-                std::int64_t now_ns, const MakePerformer& performer, Outbox& out);
+  void HandlePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
+                  std::int64_t now_ns, const MakePerformer& performer, Outbox& out);
 
  private:
   enum class Order { kNext, kOld };
   Order Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
   bool Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns, Outbox& out);
-  void SayIncomplete(std::int64_t now_ns, Outbox& out);
+  void ReportIncomplete(std::int64_t now_ns, Outbox& out);
   void ReportMissingInput(Outbox& out);
   void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
   void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
@@ -114,7 +114,7 @@ class Character {
   bool has_timecode_ = false;
 };
 
-void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
+void Character::HandleScale(const mvn::Scale& scale, Outbox& out) {
   if (scale.count < mvn::kBodySegments) return;
   for (std::size_t s = 0; s < mvn::kBodySegments; ++s) {
     const auto& p = scale.segments[s].position_m;
@@ -160,7 +160,7 @@ Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns,
   }
   if (any_sample_ && header.sample < sample_ && stream_) stream_->Restart();
   if (!any_sample_ || header.sample != sample_) {
-    if (any_sample_ && !sent_) SayIncomplete(now_ns, out);
+    if (any_sample_ && !sent_) ReportIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
     sent_ = incomplete_ = false;
   }
@@ -176,7 +176,7 @@ bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::in
   wanted_ = mvn::kBodySegments + header.props + header.finger_segments;
   // The sample number is the same, but the sample begins again.
   if (header.datagram == 0 && next_part_ > 0) {
-    SayIncomplete(now_ns, out);
+    ReportIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
     incomplete_ = false;
   }
@@ -194,12 +194,12 @@ bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::in
     }
     if (gathered_ >= wanted_) return true;
   }
-  if (header.last) SayIncomplete(now_ns, out);
+  if (header.last) ReportIncomplete(now_ns, out);
   return false;
 }
 
 // Counts and logs an incomplete sample, once.
-void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
+void Character::ReportIncomplete(std::int64_t now_ns, Outbox& out) {
   if (incomplete_) return;
   incomplete_ = true;
   out.Refuse(Counter::kSourceIncomplete);
@@ -260,8 +260,8 @@ void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbo
 }
 
 template <typename MakePerformer>
-void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
-                         std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
+void Character::HandlePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
+                           std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
   seen_ns_ = now_ns;
   // The sender sends both types.
   if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;
@@ -316,22 +316,22 @@ class Mvn final : public Translator {
     switch (header.type) {
       case mvn::Type::kEuler:
       case mvn::Type::kQuaternion:
-        return TakePose(datagram, peer, now_ns, out);
+        return HandlePose(datagram, peer, now_ns, out);
       case mvn::Type::kMeta: {
         std::string_view name;
         if (mvn::DecodeName(datagram, name) != DecodeResult::kOk) break;
-        if (auto* character = Find(header, peer, now_ns, out)) character->TakeName(name);
+        if (auto* character = Find(header, peer, now_ns, out)) character->HandleName(name);
         return;
       }
       case mvn::Type::kScale: {
         if (mvn::DecodeScale(datagram, scale_) != DecodeResult::kOk) break;
-        if (auto* character = Find(header, peer, now_ns, out)) character->TakeScale(scale_, out);
+        if (auto* character = Find(header, peer, now_ns, out)) character->HandleScale(scale_, out);
         return;
       }
       case mvn::Type::kTimecode: {
         mvn::Timecode timecode;
         if (mvn::DecodeTimecode(datagram, timecode) != DecodeResult::kOk) break;
-        if (auto* character = Find(header, peer, now_ns, out)) character->TakeTimecode(timecode);
+        if (auto* character = Find(header, peer, now_ns, out)) character->HandleTimecode(timecode);
         return;
       }
       default:
@@ -341,15 +341,15 @@ class Mvn final : public Translator {
   }
 
  private:
-  void TakePose(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-                Outbox& out) {
+  void HandlePose(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                  Outbox& out) {
     mvn::Header header;
     if (mvn::DecodePose(datagram, header, pose_) != DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     Character* character = Find(header, peer, now_ns, out);
     if (character == nullptr) return out.Refuse(Counter::kPipelinePerformersRefused);
-    character->TakePose(
+    character->HandlePose(
         header, pose_, config_.up, now_ns,
         [this](const Character& who) { return PerformerOf(who); }, out);
   }

@@ -77,15 +77,15 @@ void NatNet::Handle(std::span<const std::byte> datagram, const Peer& peer, std::
 void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
   if (now_ns < next_pulse_ns_) return;
   next_pulse_ns_ = now_ns + kPulse_ns;
-  if (!version_ || now_ns - heard_ns_ >= kSilence_ns) AskWho(out);
+  if (!version_ || now_ns - heard_ns_ >= kSilence_ns) RequestServerInfo(out);
   if (!version_) return;
   if (!stream_) SendCommand(MessageId::kKeepAlive, out);
-  if (wants_model_) AskForModel(now_ns, out);
+  if (wants_model_) RequestModel(now_ns, out);
 }
 
 // Old servers know the first record, servers from 4.0 on also the longer one; no server objects to
 // the one it does not know. No bitstream is requested: SERVER INFO states which one is used.
-void NatNet::AskWho(Outbox& out) {
+void NatNet::RequestServerInfo(Outbox& out) {
   natnet::Connect connect;
   connect.shape =
       asked_who_++ % 2 == 0 ? natnet::Connect::Shape::kRecord : natnet::Connect::Shape::kBitstream;
@@ -95,7 +95,7 @@ void NatNet::AskWho(Outbox& out) {
   out.Reply(server_, std::span(buffer).first(natnet::EncodeConnect(connect, buffer)));
 }
 
-void NatNet::AskForModel(std::int64_t now_ns, Outbox& out) {
+void NatNet::RequestModel(std::int64_t now_ns, Outbox& out) {
   asked_model_ns_ = now_ns;
   SendCommand(MessageId::kRequestModelDef, out);
 }
@@ -131,7 +131,7 @@ void NatNet::HandleServerInfo(std::span<const std::byte> payload, std::int64_t n
     std::memcpy(&stream_->group.s_addr, info.connection->group.data(), sizeof stream_->group);
   }
   wants_model_ = true;
-  AskForModel(now_ns, out);
+  RequestModel(now_ns, out);
 }
 
 void NatNet::HandleModel(std::span<const std::byte> payload, Outbox& out) {
@@ -191,15 +191,15 @@ void NatNet::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns
   const bool read = natnet::DecodeFrame(payload, *version_, *frame_) == DecodeResult::kOk &&
                     frame_->timestamp_s >= 0 && frame_->timestamp_s < 1e10;
   if (!read) {
-    if (++bad_frames_ % kBadFrames == 0) AskWho(out);
+    if (++bad_frames_ % kBadFrames == 0) RequestServerInfo(out);
     return out.Refuse(Counter::kSourceMalformed);
   }
   bad_frames_ = 0;
-  if ((frame_->params & natnet::kBitstreamChanged) != 0) AskWho(out);
+  if ((frame_->params & natnet::kBitstreamChanged) != 0) RequestServerInfo(out);
   if ((frame_->params & natnet::kModelsChanged) != 0) wants_model_ = true;
   std::uint64_t lost = 0;
   if (Sort(lost, out) == Order::kNext) Send(now_ns, lost, out);
-  if (wants_model_ && now_ns - asked_model_ns_ >= kPulse_ns) AskForModel(now_ns, out);
+  if (wants_model_ && now_ns - asked_model_ns_ >= kPulse_ns) RequestModel(now_ns, out);
 }
 
 NatNet::Order NatNet::Sort(std::uint64_t& lost, Outbox& out) {

@@ -85,8 +85,8 @@ class NatNet final : public Translator {
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
   void WatchConvention(Outbox& out);
 
-  void AskWho(Outbox& out);
-  void AskForModel(std::int64_t now_ns, Outbox& out);
+  void RequestServerInfo(Outbox& out);
+  void RequestModel(std::int64_t now_ns, Outbox& out);
   void SendCommand(natnet::MessageId id, Outbox& out);
   // Logs a line, but the same text only once while the server is there.
   void Say(std::string text, Outbox& out);

@@ -163,7 +163,7 @@ void Qtm::BeginSession(std::int64_t now_ns) noexcept {
   }
   any_frame_ = false;
   only_skeletons_ = false;
-  WantSkeletons(now_ns);
+  ScheduleSkeletons(now_ns);
 }
 
 bool Qtm::ReadTimecode() noexcept {
@@ -211,7 +211,7 @@ void Qtm::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, O
     }
     performer->stream.Send(performer->pose, info, out);
   }
-  if (unknown) WantSkeletons(now_ns);
+  if (unknown) ScheduleSkeletons(now_ns);
 }
 
 std::unique_ptr<Translator> MakeQtm(const config::Source& config) {

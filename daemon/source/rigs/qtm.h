@@ -88,14 +88,14 @@ class Qtm final : public ServerTranslator {
   void Enter(Stage stage, std::int64_t now_ns, Outbox& out);
   void Ask(std::string_view command, std::int64_t now_ns, Outbox& out);
   void Send(std::string_view command, Outbox& out) noexcept;
-  void AskForSkeletons(std::int64_t now_ns, Outbox& out);
+  void RequestSkeletons(std::int64_t now_ns, Outbox& out);
   void StartStream(std::int64_t now_ns, Outbox& out);
   std::string_view StreamCommand() const noexcept;
   void ConfirmStream(std::int64_t now_ns) noexcept;
-  void SayThatNoFrameCame(Outbox& out);
+  void ReportNoFrame(Outbox& out);
   bool IsAsking() const noexcept { return answer_ns_ != kNever; }
   // Requests the skeletons again as soon as the pause since the last time is over.
-  STYLED_REALTIME void WantSkeletons(std::int64_t now_ns) noexcept;
+  STYLED_REALTIME void ScheduleSkeletons(std::int64_t now_ns) noexcept;
   // Call after the skeletons were read again, or could not be.
   void EndReread(bool changed, std::int64_t now_ns) noexcept;
   void BeginSession(std::int64_t now_ns) noexcept;

@@ -41,8 +41,8 @@ void Qtm::Tick(std::int64_t now_ns, Outbox& out) {
     again_ns_ = kNever;
     Enter(stage_, now_ns, out);
   }
-  if (now_ns >= reread_ns_) AskForSkeletons(now_ns, out);
-  if (now_ns >= silence_ns_) SayThatNoFrameCame(out);
+  if (now_ns >= reread_ns_) RequestSkeletons(now_ns, out);
+  if (now_ns >= silence_ns_) ReportNoFrame(out);
   if (now_ns < answer_ns_) return;
   answer_ns_ = kNever;
   out.LeaveHotSection();
@@ -66,7 +66,7 @@ void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
     case Stage::kSpace:
       return Ask("GetParameters 3D", now_ns, out);
     case Stage::kSkeletons:
-      return AskForSkeletons(now_ns, out);
+      return RequestSkeletons(now_ns, out);
     case Stage::kStreaming:
       return StartStream(now_ns, out);
   }
@@ -86,7 +86,7 @@ void Qtm::Send(std::string_view command, Outbox& out) noexcept {
             std::span(buffer).first(qtm::EncodeText(PacketType::kCommand, command, buffer)));
 }
 
-void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
+void Qtm::RequestSkeletons(std::int64_t now_ns, Outbox& out) {
   reread_ns_ = kNever;
   // No frame has requested them since they could have been read.
   if (now_ns - asked_skeletons_ns_ >= 2 * reread_pause_ns_) reread_pause_ns_ = kFirstPause_ns;
@@ -97,7 +97,7 @@ void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
 
 // Not while an error might be the answer to StreamFrames: an error does not say which request it
 // answers.
-void Qtm::WantSkeletons(std::int64_t now_ns) noexcept {
+void Qtm::ScheduleSkeletons(std::int64_t now_ns) noexcept {
   if (stage_ != Stage::kStreaming || IsAsking()) return;  // the pending request will be answered
   const std::int64_t stream_ns = stream_confirmed_ ? now_ns : stream_ns_ + kAnswer_ns;
   reread_ns_ =
@@ -132,10 +132,10 @@ void Qtm::ConfirmStream(std::int64_t now_ns) noexcept {
   silence_ns_ = kNever;
   if (reread_ns_ == kNever) return;
   reread_ns_ = kNever;  // this was the awaited answer
-  WantSkeletons(now_ns);
+  ScheduleSkeletons(now_ns);
 }
 
-void Qtm::SayThatNoFrameCame(Outbox& out) {
+void Qtm::ReportNoFrame(Outbox& out) {
   silence_ns_ = kNever;
   silence_said_ = true;
   out.LeaveHotSection();
@@ -209,11 +209,11 @@ void Qtm::RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& ou
   // The server may lack one of the other sections; the skeletons matter most.
   if (asked_ == kAllParameters) {
     only_skeletons_ = true;
-    return AskForSkeletons(now_ns, out);
+    return RequestSkeletons(now_ns, out);
   }
   Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
   EndReread(false, now_ns);
-  WantSkeletons(now_ns + kAgain_ns);
+  ScheduleSkeletons(now_ns + kAgain_ns);
 }
 
 void Qtm::RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out) {

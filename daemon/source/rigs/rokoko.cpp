@@ -118,7 +118,7 @@ class Actor {
       joint_of_.push_back(j);
       positions.push_back(Mirrored(actor.joints[j].position_m));
     }
-    TakeRotations(actor, usable);
+    CopyRotations(actor, usable);
     body.skeleton.offsets.resize(joint_of_.size());
     OffsetsFromWorld(body.skeleton.parents, positions, world_, body.skeleton.offsets);
     stream_.SetBody(body, out);
@@ -127,7 +127,7 @@ class Actor {
   }
 
   // World rotations of the body's joints, right-handed; NaN where the frame has none.
-  void TakeRotations(const rokoko::Actor& actor, const Joints& usable) {
+  void CopyRotations(const rokoko::Actor& actor, const Joints& usable) {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     world_.resize(joint_of_.size());
     for (std::size_t i = 0; i < joint_of_.size(); ++i) {
@@ -139,7 +139,7 @@ class Actor {
 
   void Send(const rokoko::Actor& actor, const Joints& usable, const PropList& props, double time_s,
             std::int64_t now_ns, Outbox& out) {
-    TakeRotations(actor, usable);
+    CopyRotations(actor, usable);
     LocalFromWorld(stream_.body().skeleton.parents, world_, pose_);
     if (actor.has[kHip]) pose_.translations.front() = Mirrored(actor.joints[kHip].position_m);
     PerformerStream::FrameInfo info;
@@ -181,7 +181,7 @@ class Rokoko final : public Translator {
     for (int k = 0; k < frame_.actors_left_out; ++k) {
       out.Refuse(Counter::kPipelinePerformersRefused);
     }
-    TakeProps(out);
+    CopyProps(out);
     for (int k = 0; k < frame_.actor_count; ++k) {
       Actor* actor = Find(k, peer, now_ns, out);
       if (actor == nullptr) {
@@ -195,7 +195,7 @@ class Rokoko final : public Translator {
 
  private:
   // The scene's props, made right-handed.
-  void TakeProps(Outbox& out) noexcept {
+  void CopyProps(Outbox& out) noexcept {
     for (int k = 0; k < frame_.props_left_out; ++k) out.Refuse(Counter::kPipelinePropsLeftOut);
     props_.count = 0;
     for (std::size_t k = 0; k < static_cast<std::size_t>(frame_.prop_count); ++k) {

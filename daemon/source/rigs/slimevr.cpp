@@ -93,7 +93,7 @@ class SlimeVr final : public Translator {
     if (!IsNext(*device, now_ns, out)) return;
     device->heard_ns = now_ns;
     if (datagram_.unknown > 0) out.Refuse(Counter::kSourceIgnored);
-    for (const slimevr::Packet& packet : packets) TakePacket(packet, *device, now_ns, out);
+    for (const slimevr::Packet& packet : packets) HandlePacket(packet, *device, now_ns, out);
   }
 
   void Tick(std::int64_t now_ns, Outbox& out) override {
@@ -152,7 +152,7 @@ class SlimeVr final : public Translator {
     }
     if (device == nullptr) {
       device = here != nullptr && !here->configured ? here : FindRoom(now_ns);
-      if (device == nullptr) return SayFull(address, peer, now_ns, out);
+      if (device == nullptr) return ReportFull(address, peer, now_ns, out);
       *device = Device();
       device->address = address;
     }
@@ -203,7 +203,7 @@ class SlimeVr final : public Translator {
     return oldest;
   }
 
-  void SayFull(std::uint64_t address, const Peer& peer, std::int64_t now_ns, Outbox& out) {
+  void ReportFull(std::uint64_t address, const Peer& peer, std::int64_t now_ns, Outbox& out) {
     out.Refuse(Counter::kSourceTableFull);
     const std::uint64_t times = full_notes_.Count(now_ns);
     if (times == 0) return;
@@ -247,13 +247,14 @@ class SlimeVr final : public Translator {
         static_cast<std::int8_t>(rig_.PartOf({device.address, sensor}, position, now_ns, out));
   }
 
-  void TakePacket(const slimevr::Packet& packet, Device& device, std::int64_t now_ns, Outbox& out) {
+  void HandlePacket(const slimevr::Packet& packet, Device& device, std::int64_t now_ns,
+                    Outbox& out) {
     if (const auto* p = std::get_if<slimevr::Rotation>(&packet)) {
-      if (p->kind == 1) TakeOrientation(device, p->sensor, p->orientation, now_ns, out);
+      if (p->kind == 1) HandleOrientation(device, p->sensor, p->orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::RotationAndAcceleration>(&packet)) {
-      TakeOrientation(device, p->sensor, p->motion.orientation, now_ns, out);
+      HandleOrientation(device, p->sensor, p->motion.orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::LegacyRotation>(&packet)) {
-      TakeOrientation(device, p->sensor, p->orientation, now_ns, out);
+      HandleOrientation(device, p->sensor, p->orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::SensorInfo>(&packet)) {
       Announce(device, p->sensor, p->position, now_ns, out);
       Answer(slimevr::SensorInfoAck{p->sensor, p->status}, device.peer, out);
@@ -268,8 +269,9 @@ class SlimeVr final : public Translator {
     }
   }
 
-  void TakeOrientation(Device& device, std::uint8_t sensor, const slimevr::Orientation& orientation,
-                       std::int64_t now_ns, Outbox& out) {
+  void HandleOrientation(Device& device, std::uint8_t sensor,
+                         const slimevr::Orientation& orientation, std::int64_t now_ns,
+                         Outbox& out) {
     const int part = device.parts[sensor];
     if (part < 0) return out.Refuse(Counter::kSourceIgnored);
     rig_.Accept(body::Joint(part), orientation, now_ns);

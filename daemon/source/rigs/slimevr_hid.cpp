@@ -41,7 +41,7 @@ class SlimeVrHid final : public Translator {
     Receiver& receiver = ReceiverOf(peer);
     receiver.heard_ns = now_ns;
     for (const auto& record : std::span(report_.records).first(report_.count)) {
-      TakeRecord(record, receiver.trackers[record.tracker], now_ns, out);
+      HandleRecord(record, receiver.trackers[record.tracker], now_ns, out);
     }
   }
 
@@ -65,8 +65,8 @@ class SlimeVrHid final : public Translator {
     return fresh;
   }
 
-  void TakeRecord(const slimevr::Record& record, Receiver::Tracker& tracker, std::int64_t now_ns,
-                  Outbox& out) {
+  void HandleRecord(const slimevr::Record& record, Receiver::Tracker& tracker, std::int64_t now_ns,
+                    Outbox& out) {
     if (const auto* registration = std::get_if<slimevr::Registration>(&record.body)) {
       if (tracker.address == registration->address) return;
       tracker = {registration->address, rig_.PartOf({registration->address, 0}, 0, now_ns, out)};

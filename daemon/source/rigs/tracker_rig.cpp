@@ -82,7 +82,7 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
                        Outbox& out) {
   const auto row = std::ranges::find(assigned_, id, &Known::id);
   if (row != assigned_.end()) {
-    if (!row->logged) SayPart(id, row->part, now_ns, out);
+    if (!row->logged) ReportPart(id, row->part, now_ns, out);
     row->logged = true;
     return row->part;
   }
@@ -101,11 +101,12 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
     }
     known_.push_back({id, part});
   }
-  SayPart(id, part, now_ns, out);
+  ReportPart(id, part, now_ns, out);
   return part;
 }
 
-void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
+void TrackerRig::ReportPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns,
+                            Outbox& out) {
   const std::uint64_t times = part == kUnassigned ? strangers_.Count(now_ns) : 1;
   if (times == 0) return;
   out.Note([&] {

@@ -53,7 +53,7 @@ class TrackerRig {
   static constexpr std::size_t kMaxKnown = 256;
 
   int FreePart(int position) const;
-  void SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
+  void ReportPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
 
   std::vector<Known> assigned_;  // by the configuration
   std::vector<Known> known_;     // trackers that are not configured; oldest first

@@ -70,7 +70,7 @@ class VrChat final : public Translator {
       } else if (result != vrchat::DecodeResult::kOk) {
         out.Refuse(Counter::kSourceMalformed);
       } else if (const auto* tracker = std::get_if<vrchat::Tracker>(&message)) {
-        TakeTracker(*tracker, peer.id, now_ns, out);
+        HandleTracker(*tracker, peer.id, now_ns, out);
       } else if (const auto* pose = std::get_if<vrchat::SystemPose>(&message)) {
         rig_.Accept(kSystem[static_cast<std::size_t>(pose->device)],
                     {PositionOf(pose->position), RotationOf(pose->euler)}, peer.id, now_ns, out);
@@ -86,8 +86,8 @@ class VrChat final : public Translator {
   }
 
  private:
-  void TakeTracker(const vrchat::Tracker& tracker, std::uint64_t peer, std::int64_t now_ns,
-                   Outbox& out) {
+  void HandleTracker(const vrchat::Tracker& tracker, std::uint64_t peer, std::int64_t now_ns,
+                     Outbox& out) {
     const DeviceRig::Device& device = kNumbered[static_cast<std::size_t>(tracker.index)];
     const body::Quat no_rotation(kNan, kNan, kNan, kNan);
     if (!tracker.is_rotation) {

@@ -136,7 +136,7 @@ void CheckFeatures(const Vector<kFeatureCount>& mean, const Vector<kFeatureCount
 // Stacks the heads into one layer. The file's heads give standardized features; deviation and mean
 // are folded into the weights, so that no step has to undo the standardization.
 template <int Width>
-void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
+void ReadHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
                const Vector<kFeatureCount>& deviation, Affine<kHeads, Width>& out) {
   RowMajor weight(kHeads, Width);
   Vector<kHeads> bias;
@@ -218,7 +218,7 @@ Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read
   tensors.Read("decoder.0", style_count, w.decoder0, w.decoder0_bias);
   tensors.Read("decoder.1", w.decoder1);
   tensors.Read("decoder.2", w.decoder2);
-  TakeHeads(tensors, mean, deviation, w.heads);
+  ReadHeads(tensors, mean, deviation, w.heads);
   all.Finish();
   if (!faults.none()) return faults.status();
   w.Round(*net::BestKernels(file.precision));

@@ -12,7 +12,7 @@ using net::Faults;
 using net::RowMajor;
 using net::TensorReader;
 
-GeneratorWeights TakeGenerator(LayerReader& layers, int width) {
+GeneratorWeights ReadGenerator(LayerReader& layers, int width) {
   GeneratorWeights g;
   g.in = layers.ReadLinear("g.in", width, kChannels, kNodes[0]);
   g.encoder[0] = ReadEncoder(layers, "g.enc1", 0, width, 2 * width, true);
@@ -58,7 +58,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   LayerReader layers(tensors);
   w.standard = ReadStandardization(tensors, features, faults);
   if (!faults.none()) return faults.status();
-  w.generator = TakeGenerator(layers, width);
+  w.generator = ReadGenerator(layers, width);
   const auto domains = static_cast<int>(file.model.styles.size());
   w.space = std::make_unique<const CodeSpace>(layers, features, w.standard, width, domains);
   tensors.Finish();

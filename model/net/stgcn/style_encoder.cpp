@@ -17,7 +17,7 @@ constexpr int kWindowsTogether = 8;
 
 // The convolution over 16 frames of 5 nodes as one matrix; the trunk's floats are in the order
 // frame, node, channel, the file's in channel, frame, node.
-Linear TakeConv(TensorReader& tensors, int channels) {
+Linear ReadConv(TensorReader& tensors, int channels) {
   constexpr int kFrames = kReference / 4;
   const RowMajor weight = tensors.Tensor("e.conv.weight", {channels, channels, kFrames, kNodes[2]});
   const RowMajor bias = tensors.Vector("e.conv.bias", channels).transpose();
@@ -64,7 +64,7 @@ StyleEncoder::StyleEncoder(LayerReader& layers, int width, int domains) {
   in_ = layers.ReadLinear("e.in", width, kChannels, kNodes[0]);
   blocks_[0] = ReadEncoder(layers, "e.res1", 0, width, 2 * width, false);
   blocks_[1] = ReadEncoder(layers, "e.res2", 1, 2 * width, trunk, false);
-  conv_ = TakeConv(layers.tensors(), trunk);
+  conv_ = ReadConv(layers.tensors(), trunk);
   const RowMajor heads = layers.tensors().Tensor("e.heads.weight", {domains, kCode, trunk});
   const RowMajor bias = layers.tensors().Matrix("e.heads.bias", domains, kCode);
   for (int domain = 0; domain < domains; ++domain) {

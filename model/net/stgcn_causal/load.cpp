@@ -68,20 +68,20 @@ class BlockReader {
     const int wide = block.graph1.in_nodes(), nodes = block.graph1.out_nodes();
     block.affine1 = layers_.ReadNorm(name + ".norm1", in);
     block.affine2 = layers_.ReadNorm(name + ".norm2", in);
-    block.norm1 = TakePast(name + ".norm1", in, Equal(wide), 1);
-    block.norm2 = TakePast(name + ".norm2", in, Equal(nodes), 1);
-    block.time1 = TakeTime(name + ".tconv1", in, 1, spacing, nodes, 1);
-    block.time2 = TakeTime(name + ".tconv2", out, kPathShare, spacing, nodes, 1);
+    block.norm1 = ReadPastNorm(name + ".norm1", in, Equal(wide), 1);
+    block.norm2 = ReadPastNorm(name + ".norm2", in, Equal(nodes), 1);
+    block.time1 = ReadTimeConv(name + ".tconv1", in, 1, spacing, nodes, 1);
+    block.time2 = ReadTimeConv(name + ".tconv2", out, kPathShare, spacing, nodes, 1);
     return block;
   }
 
   DecoderBlock ReadDecoder(const std::string& name, int level, int in, int out, int spacing) {
     DecoderBlock block{layers_.ReadDecoder(name, level, in, out), 0, 0, {}, {}, {}, {}};
     const int nodes = block.graph1.in_nodes(), wide = block.graph2.out_nodes();
-    block.norm1 = TakePast(name + ".adain1", in, Equal(nodes), kDecodings);
-    block.norm2 = TakePast(name + ".adain2", out, block.cluster_sizes, kDecodings);
-    block.time1 = TakeTime(name + ".tconv1", out, 1, spacing, nodes, kDecodings);
-    block.time2 = TakeTime(name + ".tconv2", out, kPathShare, spacing, wide, kDecodings);
+    block.norm1 = ReadPastNorm(name + ".adain1", in, Equal(nodes), kDecodings);
+    block.norm2 = ReadPastNorm(name + ".adain2", out, block.cluster_sizes, kDecodings);
+    block.time1 = ReadTimeConv(name + ".tconv1", out, 1, spacing, nodes, kDecodings);
+    block.time2 = ReadTimeConv(name + ".tconv2", out, kPathShare, spacing, wide, kDecodings);
     return block;
   }
 
@@ -90,15 +90,15 @@ class BlockReader {
     return std::vector<float>(static_cast<std::size_t>(nodes), 1.0F);
   }
 
-  PastNorm TakePast(const std::string& name, int channels, const std::vector<float>& node_weights,
-                    int copies) {
+  PastNorm ReadPastNorm(const std::string& name, int channels,
+                        const std::vector<float>& node_weights, int copies) {
     const RowMajor mean = layers_.tensors().Vector(name + ".start_mean", channels);
     const RowMajor square = layers_.tensors().Vector(name + ".start_square", channels);
     return {mean, square, node_weights, copies, layout_};
   }
 
-  PastConv TakeTime(const std::string& name, int channels, float scale, int spacing, int nodes,
-                    int copies) {
+  PastConv ReadTimeConv(const std::string& name, int channels, float scale, int spacing, int nodes,
+                        int copies) {
     const RowMajor weight = layers_.tensors().Tensor(name + ".weight", {channels, channels, kTaps});
     const Eigen::VectorXf bias = layers_.tensors().Vector(name + ".bias", channels);
     return {weight, bias, scale, spacing, nodes, copies, layout_};
@@ -121,7 +121,7 @@ class ScratchSizes {
     Cover(kDecodings, first, second, block.in, block.out);
     skip_ = std::max(skip_, kDecodings * Size(first.in_nodes(), block.out));
   }
-  void TakeFrom(Layout& layout, Scratch& scratch) const {
+  void ReserveFrom(Layout& layout, Scratch& scratch) const {
     scratch.affine = layout.Reserve(2 * channels_);
     scratch.sums = layout.Reserve(2 * channels_);
     scratch.activated = layout.Reserve(activated_);
@@ -236,7 +236,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   s.decoded = {layout.Reserve(kDecodings * kNode(1) * 2 * wide),
                layout.Reserve(kDecodings * kNode(0) * wide)};
   s.out = layout.Reserve(kDecodings * kNode(0) * static_cast<std::size_t>(w.out.weight.columns()));
-  sizes.TakeFrom(layout, s);
+  sizes.ReserveFrom(layout, s);
   w.state_size = layout.size();
   return std::shared_ptr<const Network>(network);
 }

@@ -46,6 +46,6 @@ Eigen::VectorXd RealShift(std::span<const train::TrainingClip> clips, int style,
 
 // The one of `real` whose direction is nearest to that of `shift`; -1 if `shift` is 0. Empty ones
 // are left out.
-int TellByDirection(const Eigen::VectorXd& shift, std::span<const Eigen::VectorXd> real);
+int ClassifyByDirection(const Eigen::VectorXd& shift, std::span<const Eigen::VectorXd> real);
 
 }  // namespace styled::judge

@@ -20,7 +20,7 @@ std::uint32_t Word(std::span<const std::byte> bytes) noexcept {
 constexpr std::size_t Padded(std::size_t size) noexcept { return (size + 3) & ~std::size_t{3}; }
 
 // Removes `size` bytes and their zero padding to a multiple of 4 from the front of `bytes`.
-bool TakePadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
+bool SkipPadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
   if (size > bytes.size() || Padded(size) > bytes.size()) return false;
   const auto padding = bytes.subspan(size, Padded(size) - size);
   bytes = bytes.subspan(Padded(size));
@@ -28,12 +28,12 @@ bool TakePadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
 }
 
 // Removes a text and its padding from the front of `bytes`. Returns false if it has no end.
-bool TakeText(std::span<const std::byte>& bytes, std::string_view& text) noexcept {
+bool ReadText(std::span<const std::byte>& bytes, std::string_view& text) noexcept {
   const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
   if (end == bytes.end()) return false;
   text = {reinterpret_cast<const char*>(bytes.data()),
           static_cast<std::size_t>(end - bytes.begin())};
-  return TakePadded(bytes, text.size() + 1);
+  return SkipPadded(bytes, text.size() + 1);
 }
 
 // Checks that the bytes of the arguments match their types exactly.
@@ -61,11 +61,11 @@ Result CheckArguments(std::string_view types, std::span<const std::byte> bytes) 
         break;
       case 's':
       case 'S':
-        there = TakeText(bytes, text);
+        there = ReadText(bytes, text);
         break;
       case 'b': {
         const std::size_t size = bytes.size() < 4 ? 0 : Word(bytes);
-        there = skip(4) && TakePadded(bytes, size);
+        there = skip(4) && SkipPadded(bytes, size);
         break;
       }
       case 'T':
@@ -85,13 +85,13 @@ Result CheckArguments(std::string_view types, std::span<const std::byte> bytes) 
 
 Result ReadMessage(std::span<const std::byte> bytes, Message& message) noexcept {
   message.bytes = bytes;
-  if (bytes.front() != std::byte{'/'} || !TakeText(bytes, message.address)) {
+  if (bytes.front() != std::byte{'/'} || !ReadText(bytes, message.address)) {
     return Result::kBadAddress;
   }
   message.types = {};
   // Old senders omit the type tags of a message without arguments.
   if (!bytes.empty()) {
-    if (bytes.front() != std::byte{','} || !TakeText(bytes, message.types)) {
+    if (bytes.front() != std::byte{','} || !ReadText(bytes, message.types)) {
       return Result::kBadTypes;
     }
     message.types.remove_prefix(1);
@@ -191,7 +191,7 @@ bool Arguments::Float(float& value) noexcept {
 bool Arguments::Text(std::string_view& value) noexcept {
   if (types_.empty() || types_.front() != 's') return false;
   types_.remove_prefix(1);
-  return TakeText(bytes_, value);
+  return ReadText(bytes_, value);
 }
 
 std::byte* Writer::Grow(std::size_t size) noexcept {

@@ -45,12 +45,12 @@ TEST_F(QtmDiagnoseTest, OneThatCannotBeReachedIsSaidWithWhatToDo) {
 }
 
 TEST_F(QtmDiagnoseTest, AnotherProgramAndAFullOneAreToldApart) {
-  answers() = QtmAnswers{.server = {"192.0.2.7", 22223}, .connected = true, .said = "SSH-2.0"};
+  answers() = QtmAnswers{.server = {"192.0.2.7", 22223}, .connected = true, .text = "SSH-2.0"};
   EXPECT_EQ(Found().code, "qtm_no_greeting");
   EXPECT_EQ(Found().why, "It sent: SSH-2.0");
-  answers().said = "Connection refused. Max number of clients reached.";
+  answers().text = "Connection refused. Max number of clients reached.";
   EXPECT_EQ(Found().code, "qtm_full");
-  answers().said.clear();
+  answers().text.clear();
   EXPECT_EQ(Found().why, "It sent nothing.");
 }
 

@@ -199,7 +199,7 @@ TEST_F(DiagnoseTest, WhereDatagramsArriveNoFirewallIsBlamed) {
 
 TEST_F(DiagnoseTest, AFormatThatNobodyWantsIsOfferedASource) {
   machine_.NoDaemon();
-  facts_.sources.emplace_back().wanted = AssumedSources()[0];
+  facts_.sources.emplace_back().expected = AssumedSources()[0];
   facts_.heard = {MvnTo("192.0.2.1:9763")};
   EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem no_source");
   EXPECT_NE(machine_.Findings()[1].change.find("type = \"mvn\"  listen = \"0.0.0.0:9763\""),
@@ -330,7 +330,7 @@ TEST_F(DiagnoseTest, NoSourceThatReceivesNothingIsWell) {
 TEST_F(DiagnoseTest, ASenderIsAskedForTheProtocolOfTheSource) {
   for (const char* type : {"mvn", "mvn-tcp", "udp", "tcp"}) {
     Machine machine;
-    const bool stream = machine.InDaemon(type, "0.0.0.0:27002", 0).wanted.stream;
+    const bool stream = machine.InDaemon(type, "0.0.0.0:27002", 0).expected.stream;
     const std::string change = machine.First().change;
     EXPECT_NE(change.find(stream ? "port 27002 (TCP)" : "port 27002 (UDP)"), std::string::npos);
     EXPECT_EQ(change.find(stream ? "UDP" : "TCP"), std::string::npos) << change;
