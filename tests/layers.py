@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Which folder may include which. Prints `FILE:LINE: INCLUDE: RULE` for each include that breaks a rule,
-or `N includes, R rules, held`. Before that it breaks each rule once, by an include that nobody wrote: a
+or `N includes, R rules, held`. Before that it breaks each rule once, by an include that is not in the tree: a
 rule that does not notice is a failure too. The table of daemon/README.md must say the same; `--write` writes
 it.
 
@@ -63,7 +63,7 @@ ROWS = {
     "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",
     "daemon/config": "daemon/runtime proto/rigs proto/styled " + STAGES + " model/net model/stylist",
     "daemon/runtime": "model/base proto/ipc proto/ptp proto/rigs/native",
-    # Who sends and who listens: neither the daemon nor a network.
+    # Senders and receivers: neither includes the daemon nor a network.
     "clients": "clients proto model/clip " + STAGES,
     "sim": "sim proto model/clip model/synthetic " + STAGES,
     "tests": "tests model proto daemon clients sim",
@@ -117,7 +117,7 @@ def broken_rule(file, header):
     if any(within(file, a) and within(header, b) for a, b in ALSO):
         return ""
     if row == row_of(header.rpartition("/")[0]):
-        parts = header.split("/")  # what lies beside the rigs' folders is for all of them
+        parts = header.split("/")  # files beside the rigs' folders are for all of them
         shared = row != "proto/rigs" or len(parts) == 3
         return "" if shared or parts[2] == file.split("/")[2] else RIG_RULE
     if any(within(header, to) for to in ROWS[row].split()):

@@ -14,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int64_t kMaxReplyBytes = 16 << 20;
-constexpr milliseconds kGlance(100);  // between two looks whether a call is to end early
+constexpr milliseconds kGlance(100);  // interval of the checks whether a call should end early
 
 // Reads the last part of a waiting message: the payload, with or without the empty delimiter before
 // it.
@@ -30,7 +30,7 @@ bool ReadLastPart(zmq::socket_t& socket, zmq::message_t& part) {
 
 struct Control::Impl {
   ControlOptions options;              // `endpoint`: the one in use
-  std::vector<std::string> endpoints;  // that one first
+  std::vector<std::string> endpoints;  // tried first
   zmq::context_t context{1};
   zmq::socket_t socket;
   std::uint64_t next_id = 1;
@@ -62,8 +62,8 @@ struct Control::Impl {
     const Reach reach = Examine(options.endpoint, Peer::kControl, options.curve);
     return {CallStatus::Kind::kNoAnswer, v1::CODE_OK,
             "no daemon answers at " + options.endpoint + " within " +
-                std::to_string(options.timeout.count()) +
-                " ms: " + (reach.text.empty() ? "it is there, but does not reply" : reach.text),
+                std::to_string(options.timeout.count()) + " ms: " +
+                (reach.text.empty() ? "the daemon is there, but does not reply" : reach.text),
             reach.obstacle};
   }
 };
@@ -141,7 +141,7 @@ CallStatus Control::CallOne(v1::Request& request, v1::Reply* reply) {
       if (!ReadLastPart(impl.socket, part)) continue;
       if (!reply->ParseFromArray(part.data(), static_cast<int>(part.size()))) {
         return {CallStatus::Kind::kGarbled, v1::CODE_OK,
-                "what answers at " + impl.options.endpoint + " is not a styled daemon"};
+                "the program at " + impl.options.endpoint + " is not a styled daemon"};
       }
       if (reply->id() == request.id()) break;
       // A daemon that could not parse the request replies with id 0; any other id belongs to an

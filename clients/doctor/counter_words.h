@@ -10,7 +10,8 @@ namespace styled::doctor {
 struct CounterWords {
   bool known = false;           // the page has a row for it
   bool trouble = false;         // its growth is logged
-  bool always = false;          // it always has a cause to find; else it is ordinary at a low rate
+  bool always = false;          // it always has a cause to find; otherwise it is normal at a low
+                                // rate
   std::string meaning, change;  // plain text; `change` may be ""
 };
 CounterWords WordsOf(std::string_view counter);

@@ -37,7 +37,9 @@ std::string PlaceOf(const Endpoint& endpoint, bool stream) {
   return ToString(endpoint) + (stream ? "/tcp" : "/udp");
 }
 
-std::string PlaceOf(const Wanted& wanted) { return PlaceOf(wanted.listen, wanted.stream); }
+std::string PlaceOf(const ExpectedSource& expected) {
+  return PlaceOf(expected.listen, expected.stream);
+}
 
 std::string Seconds(double seconds) {
   std::array<char, 32> text{};
@@ -78,11 +80,11 @@ void Examination::Daemon() {
     if (!daemon.remote) return;
     return Report(Severity::kNote, Step::kDaemon, nullptr, "remote_daemon",
                   "The daemon at " + daemon.endpoint + " is on another machine.",
-                  "Only what it counts can be seen from here, not its ports.",
+                  "Only its counters can be read from here, not its ports.",
                   "Run stylectl doctor on that machine to see more.");
   }
   if (daemon.state == DaemonFacts::State::kGarbled) {
-    return say("not_a_daemon", "What answers at " + daemon.endpoint + " is no styled daemon.",
+    return say("not_a_daemon", "The program at " + daemon.endpoint + " is not a styled daemon.",
                daemon.holder ? "The port is held by " + Holder(*daemon.holder) + "." : "",
                "Give the daemon's control address with --endpoint; it stands in styled.toml "
                "under [control] address.");
@@ -98,7 +100,7 @@ void Examination::Daemon() {
                "A styled daemon runs, but its control socket is not at " + daemon.endpoint + ".",
                Holder(daemon.elsewhere.front()) + " listens on TCP " + places + ".",
                "Ask there: stylectl --endpoint tcp://HOST:PORT doctor, or set STYLED_CONTROL. "
-               "Which of them it is stands in styled.toml under [control] address.");
+               "The address is in styled.toml under [control] address.");
   }
   if (daemon.holder) {
     return say("control_taken", "No styled daemon answers at " + daemon.endpoint + ".",
@@ -114,41 +116,41 @@ void Examination::Daemon() {
 }
 
 void Examination::Source(const SourceFacts& source) {
-  if (!source.wanted.network || (facts_.daemon.remote && !source.in_daemon)) return;
-  if (source.wanted.format == Format::kNatNet) return NatNet(source);
-  if (source.wanted.format == Format::kQtm) return Qtm(source);
+  if (!source.expected.network || (facts_.daemon.remote && !source.in_daemon)) return;
+  if (source.expected.format == Format::kNatNet) return NatNet(source);
+  if (source.expected.format == Format::kQtm) return Qtm(source);
   if (!Port(source)) return;
   const Evidence evidence = EvidenceOf(source);
   if (!Arrival(source, evidence)) return;
   if (!Content(source, evidence)) return;
   // A face, or fingers, are merged into a performer of another source, whose frames are judged
   // there.
-  const bool is_part = Row(source.wanted.format).face_only || !source.wanted.merge_into.empty();
+  const bool is_part = Row(source.expected.format).face_only || !source.expected.merge_into.empty();
   if (source.in_daemon && !is_part) Frames(source, evidence);
 }
 
-// Reports a source of which the daemon receives nothing, whatever the previous steps found. Not if
-// another source of the same name receives, or if a problem of that name is already reported.
+// Reports a source from which the daemon receives nothing, whatever the previous steps found. Not
+// if another source of the same name receives, or if a problem of that name is already reported.
 void Examination::Silent() {
   for (const SourceFacts& source : facts_.sources) {
     if (!source.in_daemon || source.received.value_or(1) > 0) continue;
     const bool other = std::ranges::any_of(facts_.sources, [&](const SourceFacts& twin) {
-      return twin.wanted.name == source.wanted.name && twin.received.value_or(0) > 0;
+      return twin.expected.name == source.expected.name && twin.received.value_or(0) > 0;
     });
-    const bool said = std::ranges::any_of(findings_, [&](const Finding& f) {
+    const bool reported = std::ranges::any_of(findings_, [&](const Finding& f) {
       return f.severity == Severity::kProblem &&
-             (f.source == source.wanted.name || f.source.starts_with(source.wanted.name + "/"));
+             (f.source == source.expected.name || f.source.starts_with(source.expected.name + "/"));
     });
-    if (other || said) continue;
-    const std::string at = Row(source.wanted.format).asks_server ? " from " : " at ";
-    const std::string place = source.wanted.network ? at + PlaceOf(source.wanted) : "";
+    if (other || reported) continue;
+    const std::string at = Row(source.expected.format).asks_server ? " from " : " at ";
+    const std::string place = source.expected.network ? at + PlaceOf(source.expected) : "";
     Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
            "Nothing arrives for " + Label(source) + place + ".",
            "The daemon received nothing of it in " + Seconds(facts_.seconds) + ".",
-           source.wanted.network
-               ? InTheSender(source.wanted)
+           source.expected.network
+               ? InTheSender(source.expected)
                : "See that the device is plugged in and switched on; the daemon's "
-                 "log says what it waits for.");
+                 "log names what it waits for.");
   }
 }
 
@@ -156,7 +158,7 @@ void Examination::Silent() {
 void Examination::Unclaimed() {
   if (facts_.one_source) return;
   const bool assumed = std::ranges::all_of(facts_.sources, [](const SourceFacts& source) {
-    return source.wanted.origin == Wanted::Origin::kAssumed;
+    return source.expected.origin == ExpectedSource::Origin::kAssumed;
   });
   for (const Flow* flow : Flows()) {
     const Format format = flow->tally.MainFormat();
@@ -164,12 +166,12 @@ void Examination::Unclaimed() {
         std::ranges::find(explained_, flow) != explained_.end()) {
       continue;
     }
-    const bool wanted = std::ranges::any_of(facts_.sources, [format](const SourceFacts& source) {
-      return source.wanted.format == format;
+    const bool expected = std::ranges::any_of(facts_.sources, [format](const SourceFacts& source) {
+      return source.expected.format == format;
     });
     const bool trouble = std::ranges::any_of(
         findings_, [](const Finding& f) { return f.severity == Severity::kProblem; });
-    if (wanted || !trouble) continue;
+    if (expected || !trouble) continue;
     explained_.push_back(flow);
     const std::string place = format == Format::kNatNet
                                   ? "server = \"" + flow->from.host + "\""
@@ -184,8 +186,8 @@ void Examination::Unclaimed() {
   }
 }
 
-// What a source of that format needs besides, because it has no body: the performer who gets the
-// face.
+// The keys that a source of that format needs in addition, because it has no body: the performer
+// who gets the face.
 std::string Examination::MergeInto(Format format) const {
   if (!Row(format).face_only) return "";
   const auto& performers = facts_.daemon.after.stats().performers();
@@ -207,23 +209,24 @@ void Examination::Losses() {
   warn("pipeline.lost", "lost_on_the_way",
        "datagrams were lost between the rig and the daemon" + Losers() + ".",
        "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
-  warn("pipeline.backlog_dropped", "too_slow", "frames came too late and were passed over.",
-       "The machine does not keep up: end other programs, set realtime.priority = 20.");
+  warn("pipeline.backlog_dropped", "too_slow", "frames were too late and were skipped.",
+       "The machine is overloaded: end other programs, set realtime.priority = 20.");
   warn("source.takeovers_refused", "takeover_refused",
        "greetings for a live tracker were refused: they came from another address.",
        "Two trackers have one MAC, or another sender imitates one: the daemon's log names both "
        "addresses.");
-  warn("source.table_full", "too_many_trackers",
-       "greetings of trackers were refused: there is no room for more.",
-       "Name yours in the source's trackers: those have a place kept. The daemon's log names one "
-       "that was refused.");
+  warn(
+      "source.table_full", "too_many_trackers",
+      "greetings of trackers were refused: there is no room for more.",
+      "Name yours in the source's trackers: those have reserved places. The daemon's log names one "
+      "that was refused.");
   warn("source.tcp_refused", "too_many_connections",
        "connections were refused: all max_connections are sending.",
        "Raise max_connections, or stop senders that are not needed.");
-  const bool said = std::ranges::any_of(findings_, [](const Finding& f) {
+  const bool reported = std::ranges::any_of(findings_, [](const Finding& f) {
     return f.code == "second_sender" || f.code == "performer_refused";
   });
-  if (said || TwoPhones()) return;
+  if (reported || TwoPhones()) return;
   warn("pipeline.second_sender", "second_sender",
        "datagrams were refused: two senders send the same performer.",
        "Stop one of them, or give it another performer's name.");
@@ -247,17 +250,18 @@ bool Examination::TwoPhones() {
   if (facts_.Grown("pipeline.second_sender") == 0) return false;
   const SourceFacts* found = nullptr;
   for (const SourceFacts& source : facts_.sources) {
-    const bool merged = Row(source.wanted.format).face_only || !source.wanted.merge_into.empty();
+    const bool merged =
+        Row(source.expected.format).face_only || !source.expected.merge_into.empty();
     if (!merged || source.received.value_or(0) == 0) continue;
     const bool several = EvidenceOf(source).Senders().find(',') != std::string::npos;
     if (several || GrownOf(source, "pipeline.second_sender") > 0) found = &source;
   }
   if (found == nullptr) return false;
-  const Wanted& wanted = found->wanted;
+  const ExpectedSource& expected = found->expected;
   const std::string hosts = EvidenceOf(*found).Senders();
-  const std::string whose = wanted.merge_into.empty() ? "one performer" : wanted.merge_into;
+  const std::string whose = expected.merge_into.empty() ? "one performer" : expected.merge_into;
   Report(Severity::kWarning, Step::kFrames, found, "second_sender",
-         "Two senders send to " + Label(*found) + " at " + PlaceOf(wanted) +
+         "Two senders send to " + Label(*found) + " at " + PlaceOf(expected) +
              ": only the first is shown on " + whose + ".",
          hosts.empty() ? "pipeline.second_sender grew while we listened."
                        : "Datagrams came from " + hosts + ".",
@@ -272,25 +276,25 @@ void Examination::KernelDrops() {
   const auto say = [this](const SourceFacts* source, std::uint64_t count) {
     const std::string whose = source == nullptr ? "a source" : Label(*source);
     Report(Severity::kWarning, Step::kFrames, source, "kernel_drops",
-           "The kernel threw " + std::to_string(count) + " datagrams for " + whose +
-               " away: the receive buffer was full.",
+           "The kernel dropped " + std::to_string(count) + " datagrams for " + whose +
+               ": the receive buffer was full.",
            source == nullptr ? "source.kernel_dropped grew while we listened."
                              : "Its socket's drops grew while we listened.",
            "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit: "
            "sysctl "
            "-w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
   };
-  bool said = false;
+  bool reported = false;
   for (const SourceFacts& source : facts_.sources) {
     if (!source.in_daemon || source.drops == 0) continue;
     say(&source, source.drops);
-    said = true;
+    reported = true;
   }
   const std::uint64_t counted = facts_.Grown("source.kernel_dropped");
-  if (!said && counted > 0) say(nullptr, counted);
+  if (!reported && counted > 0) say(nullptr, counted);
 }
 
-// The last step: who receives what the daemon publishes, and whether a style is set.
+// The last step: who receives the daemon's messages, and whether a style is set.
 void Examination::Listeners() {
   if (!facts_.daemon_answers()) return;
   const v1::Stats& stats = facts_.daemon.after.stats();
@@ -303,13 +307,13 @@ void Examination::Listeners() {
   if (live == 0) return;
   if (ValueOf(facts_.daemon.after, "publish.subscriptions") == 0) {
     Report(Severity::kNote, Step::kSubscribers, nullptr, "no_subscriber",
-           "Nobody has subscribed to what the daemon publishes.", "publish.subscriptions is 0.",
-           "Start a client (stylemon shows what comes); give it the address under [publish]. From "
+           "No client has subscribed to the daemon.", "publish.subscriptions is 0.",
+           "Start a client (stylemon shows the frames); give it the address under [publish]. From "
            "another machine that address must not be loopback.");
   }
   if (bypassed == live) {
     Report(Severity::kNote, Step::kFrames, nullptr, "bypass",
-           "Every performer is in bypass: the motion goes out as it came in.", "",
+           "Every performer is in bypass: the motion is published unchanged.", "",
            "Set a style: stylectl set '*' --style NAME (stylectl list shows them).");
   }
 }
@@ -329,7 +333,7 @@ Examination::Evidence Examination::EvidenceOf(const SourceFacts& source) const {
   for (const auto* flows : {&facts_.heard, &facts_.seen}) {
     if (!out.flows.empty()) break;
     for (const Flow& flow : *flows) {
-      if (!Reaches(flow, source.wanted)) continue;
+      if (!Reaches(flow, source.expected)) continue;
       out.flows.push_back(&flow);
       out.tally.Add(flow.tally);
     }
@@ -352,14 +356,14 @@ std::uint64_t Examination::GrownOf(const SourceFacts& source, const std::string&
   return grown > others ? grown - others : 0;
 }
 
-std::string Examination::InTheSender(const Wanted& wanted) {
-  if (wanted.format == Format::kIFacialMocap && !wanted.server.empty()) {
-    return "The daemon asks the phone at " + wanted.server +
+std::string Examination::InTheSender(const ExpectedSource& expected) {
+  if (expected.format == Format::kIFacialMocap && !expected.server.empty()) {
+    return "The daemon asks the phone at " + expected.server +
            " (`server` of the source) to send: see that this is the phone's address, that the "
            "phone "
            "is in this machine's network, and that the app is open.";
   }
-  return doctor::InTheSender(wanted.format, wanted.stream);
+  return doctor::InTheSender(expected.format, expected.stream);
 }
 
 std::vector<const Flow*> Examination::Flows() const {
@@ -375,16 +379,17 @@ std::vector<const Flow*> Examination::Flows() const {
   return out;
 }
 
-bool Examination::Reaches(const Flow& flow, const Wanted& wanted) {
-  if (flow.stream != wanted.stream || flow.to.port != wanted.listen.port) return false;
-  if (wanted.listen.host == "::") return true;
+bool Examination::Reaches(const Flow& flow, const ExpectedSource& expected) {
+  if (flow.stream != expected.stream || flow.to.port != expected.listen.port) return false;
+  if (expected.listen.host == "::") return true;
   const bool v6 = flow.to.host.find(':') != std::string::npos;
-  return wanted.listen.host == flow.to.host || (wanted.listen.host == "0.0.0.0" && !v6);
+  return expected.listen.host == flow.to.host || (expected.listen.host == "0.0.0.0" && !v6);
 }
 
 bool Examination::Claimed(const Flow& flow) const {
   return std::ranges::any_of(facts_.sources, [&flow](const SourceFacts& source) {
-    return source.wanted.origin != Wanted::Origin::kOption && Reaches(flow, source.wanted);
+    return source.expected.origin != ExpectedSource::Origin::kOption &&
+           Reaches(flow, source.expected);
   });
 }
 
@@ -392,23 +397,23 @@ bool Examination::HasLivePerformer(const SourceFacts& source) const {
   if (!facts_.daemon_answers()) return false;
   const auto& performers = facts_.daemon.after.stats().performers();
   return std::any_of(performers.begin(), performers.end(), [&](const auto& performer) {
-    return performer.live() && performer.performer().starts_with(source.wanted.name + ".");
+    return performer.live() && performer.performer().starts_with(source.expected.name + ".");
   });
 }
 
 bool Examination::TwinWorks(const SourceFacts& source) const {
   if (HasLivePerformer(source)) return true;
   return std::ranges::any_of(facts_.sources, [&](const SourceFacts& other) {
-    return &other != &source && other.wanted.name == source.wanted.name &&
+    return &other != &source && other.expected.name == source.expected.name &&
            EvidenceOf(other).arrived > 0;
   });
 }
 
 std::string Examination::Label(const SourceFacts& source) const {
   const auto same = std::ranges::count_if(facts_.sources, [&](const SourceFacts& other) {
-    return other.wanted.name == source.wanted.name;
+    return other.expected.name == source.expected.name;
   });
-  return same > 1 ? source.wanted.name + "/" + source.wanted.type : source.wanted.name;
+  return same > 1 ? source.expected.name + "/" + source.expected.type : source.expected.name;
 }
 
 std::string Examination::OwnAddresses() const {

@@ -24,7 +24,7 @@ struct Finding {
   std::string code;    // machine-readable: "wrong_format", ...
   std::string source;  // name of the source; "" if it concerns no single source
   std::string what;    // one sentence: what is wrong, and where
-  std::string why;     // the evidence; may be ""
+  std::string why;     // the user's remedy
   std::string change;  // what the user should do
 };
 

@@ -15,16 +15,16 @@ std::string CountsOf(std::uint64_t part, std::uint64_t all) {
 }  // namespace
 
 bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
-  const Wanted& wanted = source.wanted;
+  const ExpectedSource& expected = source.expected;
   const Tally& tally = evidence.tally;
-  if (wanted.format == Format::kUnknown) return true;
+  if (expected.format == Format::kUnknown) return true;
   if (tally.Count() == 0) return CountersOfContent(source, evidence);
-  const std::string name(Row(wanted.format).name);
-  const std::uint64_t own = tally.Count(wanted.format);
+  const std::string name(Row(expected.format).name);
+  const std::uint64_t own = tally.Count(expected.format);
   if (own > 0) {
     if (10 * (tally.Count() - own) > own) {
       Report(Severity::kWarning, Step::kFormat, &source, "mixed_formats",
-             "Beside " + name + " something else arrives at " + PlaceOf(wanted) + ".",
+             "Beside " + name + " something else arrives at " + PlaceOf(expected) + ".",
              CountsOf(tally.Count() - own, tally.Count()) + " datagrams, from " +
                  evidence.Senders() + ": " + tally.Kinds(Format::kUnknown) +
                  tally.Kinds(tally.MainFormat()) + ".",
@@ -37,24 +37,24 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
                           ": " + tally.Kinds(found) + ".";
   if (found == Format::kUnknown) {
     Report(Severity::kProblem, Step::kFormat, &source, "unknown_format",
-           "What arrives for " + Label(source) + " at " + PlaceOf(wanted) + " is not " + name +
+           "The data for " + Label(source) + " at " + PlaceOf(expected) + " is not " + name +
                ", nor another format that is known here.",
-           why, "Look what the sender is set to send. " + InTheSender(wanted));
+           why, "Check the sender's output settings. " + InTheSender(expected));
     return false;
   }
   Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
-         std::string(Row(found).name) + " arrives at " + PlaceOf(wanted) + ", but " +
-             Label(source) + " is of type \"" + wanted.type + "\" (" + name + ").",
+         std::string(Row(found).name) + " arrives at " + PlaceOf(expected) + ", but " +
+             Label(source) + " is of type \"" + expected.type + "\" (" + name + ").",
          why,
-         "Set type = \"" + std::string(TypeFor(found, wanted.stream)) + "\" for " + wanted.name +
-             (Row(found).face_only ? " with" + MergeInto(found) : "") +
+         "Set type = \"" + std::string(TypeFor(found, expected.stream)) + "\" for " +
+             expected.name + (Row(found).face_only ? " with" + MergeInto(found) : "") +
              " and restart the daemon, or switch the sender to " + name + ".");
   return false;
 }
 
 // Whether the datagrams contain poses.
 bool Examination::Use(const SourceFacts& source, const Tally& tally) {
-  const Format format = source.wanted.format;
+  const Format format = source.expected.format;
   const std::string name(Row(format).name);
   const std::uint64_t own = tally.Count(format);
   const auto count = [&](Verdict verdict) { return tally.Count(format, verdict); };
@@ -66,8 +66,8 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
         CountsOf(damaged, own) + " datagrams of " + name + " for " + Label(source) +
             " are damaged.",
         "Refused as: " + tally.Kinds(format, Verdict::kDamaged) + ".",
-        "Something on the way cuts or changes them, or the sender is of another version: look at "
-        "relays and VPNs between, and bring sender and daemon up to date.");
+        "Something on the way truncates or changes them, or the sender has another version: check "
+        "relays and VPNs in between, and update sender and daemon.");
     if (most) return false;
   }
   if (count(Verdict::kPose) + count(Verdict::kCut) > 0) {
@@ -85,7 +85,7 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
            version ? "unusable_version" : "unusable_mode",
            name + " arrives for " + Label(source) + ", but in a " + (version ? "version" : "mode") +
                " that the daemon cannot use.",
-           "It sends: " + kinds + ".", InTheSender(source.wanted));
+           "It sends: " + kinds + ".", InTheSender(source.expected));
     return false;
   }
   // A tracker that searches for a server sends nothing else until it has found one.
@@ -95,9 +95,9 @@ bool Examination::Use(const SourceFacts& source, const Tally& tally) {
       name + " arrives for " + Label(source) + ", but no poses.",
       "It sends: " + tally.Kinds(format) + ".",
       format == Format::kSlimeVr
-          ? "The trackers do not send rotations: look at their sensors, and whether another server "
+          ? "The trackers do not send rotations: check their sensors, and whether another server "
             "answers them."
-          : InTheSender(source.wanted));
+          : InTheSender(source.expected));
   return false;
 }
 
@@ -109,10 +109,11 @@ void Examination::NoSkeleton(const SourceFacts& source, const std::string& why) 
       "is a program of your own, it must send a Body before its frames (proto/styled/v1/WIRE.md).");
 }
 
-// The daemon holds the port, so that its bytes cannot be read here: judge by the daemon's counters.
+// The daemon holds the port, so that its bytes cannot be read here: this uses the daemon's
+// counters.
 bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& evidence) {
-  const std::string name(Row(source.wanted.format).name);
-  const bool native = source.wanted.format == Format::kNative;
+  const std::string name(Row(source.expected.format).name);
+  const bool native = source.expected.format == Format::kNative;
   const auto grown = [&](std::initializer_list<const char*> names) {
     std::uint64_t sum = 0;
     for (const char* counter : names) sum += GrownOf(source, counter);
@@ -126,15 +127,16 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
              "source.bad_reserved", "source.bad_kind", "source.no_session"}) +
       (native ? malformed : 0);
   const std::uint64_t half = (evidence.arrived + 1) / 2;
-  const std::string counted = " (the daemon's count, less what other sources may explain)";
+  const std::string counted =
+      " (the daemon's count, minus the part that other sources may explain)";
   const std::string see = " With sudo, doctor sees the datagrams themselves and names the format.";
   if (foreign >= half || (!native && malformed >= half)) {
     const std::uint64_t not_ours = native ? foreign : malformed;
     Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
-           "What arrives for " + Label(source) + " at " + PlaceOf(source.wanted) + " is not " +
-               name + ".",
+           "The data for " + Label(source) + " at " + PlaceOf(source.expected) + " is not " + name +
+               ".",
            CountsOf(not_ours, evidence.arrived) + " datagrams were not understood" + counted + ".",
-           "Set the type of " + source.wanted.name + " to what the rig sends, or the rig to " +
+           "Set the type of " + source.expected.name + " to what the rig sends, or the rig to " +
                name + "." + see);
     return false;
   }
@@ -151,7 +153,7 @@ bool Examination::CountersOfContent(const SourceFacts& source, const Evidence& e
   Report(bad >= half ? Severity::kProblem : Severity::kWarning, Step::kFormat, &source, "damaged",
          CountsOf(bad, evidence.arrived) + " datagrams for " + Label(source) + " are damaged.",
          "Refused by the daemon" + counted + "; stylectl status names the reasons.",
-         "Something on the way cuts or changes them: look at relays and VPNs between." + see);
+         "Something on the way truncates or changes them: check relays and VPNs in between." + see);
   return bad < half;
 }
 
@@ -185,14 +187,14 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
       {"source.bad_name", Step::kFrames, "bad_name", "the performer's name is not allowed",
        "Names have 1 to 32 of A-Z a-z 0-9 _ -."},
       {"pipeline.old_time", Step::kFrames, "clock_stands",
-       "the sender's clock does not go on from frame to frame",
+       "the sender's clock does not advance from frame to frame",
        "Restart the sender; if it plays a "
        "recording, let it run."},
       {"source.incomplete", Step::kFrames, "incomplete",
        "frames come in parts, and parts are missing",
        "Datagrams are lost on the way: use a cable, or let the rig send smaller ones. Or the rig "
-       "sends only a part of the body: the daemon's log counts what came of each frame."},
-      {"source.ignored", Step::kVersion, "no_pose", "what arrives says nothing of a pose",
+       "sends only a part of the body: the daemon's log counts the parts of each frame."},
+      {"source.ignored", Step::kVersion, "no_pose", "the data contains no pose",
        "Let the rig send poses, and all its streams to one port."},
   }};
   for (const Cause& cause : kCauses) {
@@ -224,23 +226,25 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
                   Label(source) + ": no frames, because " + cause.what + ".", counter + " grew.",
                   cause.change);
   }
-  const bool trackers = source.wanted.format == Format::kSlimeVr;
-  const bool parts = source.wanted.format == Format::kVmc && source.wanted.merge_into.empty();
+  const bool trackers = source.expected.format == Format::kSlimeVr;
+  const bool parts = source.expected.format == Format::kVmc && source.expected.merge_into.empty();
   Report(
       Severity::kProblem, Step::kFrames, &source, trackers ? "needs_reset" : "no_frames",
-      Label(source) + " receives " + std::string(Row(source.wanted.format).name) +
-          ", but no performer comes of it.",
+      Label(source) + " receives " + std::string(Row(source.expected.format).name) +
+          ", but no performer appears.",
       std::to_string(evidence.arrived) + " datagrams arrived in " + Seconds(facts_.seconds) + "." +
           (maybe.empty()
                ? ""
                : " Counters that grew, of this source or of another that receives: " + maybe + "."),
-      trackers ? "Say in the source's trackers where each is worn, and give a full reset in the "
-                 "T-pose; the daemon's log names what is missing."
-      : parts
-          ? "If it sends hands or a face alone: name in the source the performer whose they are, "
-            "merge_into = \"SOURCE.NAME\", and restart the daemon. Else restart the sender: the "
-            "daemon's log names what it waits for."
-          : "The daemon's log names what it waits for; restart the sender.");
+      trackers
+          ? "Assign each tracker to a joint in the source's `trackers`, and do a full reset in the "
+            "T-pose; the daemon's log names what is missing."
+      : parts ? "If it sends only hands or a face: name in the source the performer that they "
+                "belong, "
+                "merge_into = \"SOURCE.NAME\", and restart the daemon. Otherwise restart the "
+                "sender: the "
+                "daemon's log names what it waits for."
+              : "The daemon's log names what it waits for; restart the sender.");
 }
 
 }  // namespace styled::doctor

@@ -1,4 +1,5 @@
-// What grew in the daemon's counters and no step has explained, and what is told by a state alone.
+// Counters of the daemon that grew and that no step has explained, and problems that only a state
+// shows.
 #include <algorithm>
 #include <array>
 
@@ -8,7 +9,8 @@
 namespace styled::doctor {
 namespace {
 
-// What a finding about the bytes of a source explains; it names formats instead of counters.
+// The cause that a finding about the bytes of a source explains; it names formats instead of
+// counters.
 constexpr std::array<std::string_view, 5> kOfFormats{"wrong_format", "damaged", "unusable_version",
                                                      "mixed_formats", "unknown_format"};
 constexpr std::array<std::string_view, 10> kFormatCounters{
@@ -22,7 +24,7 @@ bool Contains(auto&& range, std::string_view what) {
 
 }  // namespace
 
-// Frames that do not leave within a period of their rig, and styles that fade out for it.
+// Frames that do not leave within a period of their rig, and styles that fade out because of it.
 void Examination::Lateness() {
   const auto& before = facts_.daemon.before.stats().performers();
   std::string late, relieved;
@@ -30,7 +32,7 @@ void Examination::Lateness() {
   for (const auto& now : facts_.daemon.after.stats().performers()) {
     const auto then = std::ranges::find(before, now.performer(), &v1::PerformerStats::performer);
     const v1::PerformerStats earlier = then == before.end() ? v1::PerformerStats() : *then;
-    // Less than before: the daemon was started again meanwhile.
+    // Smaller than before: the daemon was restarted meanwhile.
     if (now.over_budget() < earlier.over_budget()) continue;
     const std::uint64_t grown = now.over_budget() - earlier.over_budget();
     over += grown;
@@ -41,32 +43,33 @@ void Examination::Lateness() {
     if (now.overload_bypass()) relieved += (relieved.empty() ? "" : ", ") + now.performer();
   }
   if (!late.empty()) {
-    // Up to one in a hundred is what p99 leaves out.
+    // Up to one in a hundred is excluded from p99.
     Report(100 * over > left ? Severity::kWarning : Severity::kNote, Step::kFrames, nullptr,
            "over_budget",
            "Frames left later than a period of their rig after they arrived: " + late + " of " +
                std::to_string(left) + ".",
            "pipeline.over_budget_frames grew while we listened.",
            "Give the daemon a core and a priority: realtime.cpu, realtime.priority = 20; end other "
-           "programs; stylectl status shows P99 and the stage that takes the time.");
+           "programs; stylectl status shows P99 and the slow stage.");
   }
   if (!relieved.empty()) {
     Report(Severity::kWarning, Step::kFrames, nullptr, "overload",
-           "The machine cannot keep up: the style of " + relieved + " is faded out.",
-           "Frames of all performers would be late else (pipeline.overload_bypassed_frames).",
-           "Fewer performers, a faster machine, or model.precision = \"bfloat16\" where the "
-           "processor has AVX512-BF16. realtime.relieve = false leaves styles on and frames late.");
+           "The machine is overloaded: the style of " + relieved + " is faded out.",
+           "Otherwise frames of all performers would be late (pipeline.overload_bypassed_frames).",
+           "Use fewer performers, a faster machine, or model.precision = \"bfloat16\" if the "
+           "processor has AVX512-BF16. realtime.relieve = false keeps styles on and frames late.");
   }
 }
 
-// A recording that was to run and does not.
+// A recording that is configured and not running.
 void Examination::Recording() {
   const v1::StatusReply& now = facts_.daemon.after;
   const std::uint64_t lost = facts_.Grown("record.lost");
   if (lost == 0 && (ValueOf(now, "record.failures") == 0 || ValueOf(now, "record.on") != 0)) return;
   Report(Severity::kWarning, Step::kDaemon, nullptr, "recording_incomplete",
-         lost > 0 ? "The recording lacks " + std::to_string(lost) + " records of what just arrived."
-                  : "Nothing is recorded, although [record] file is set.",
+         lost > 0
+             ? "The recording lacks " + std::to_string(lost) + " records of data that just arrived."
+             : "Nothing is recorded, although [record] file is set.",
          "The disk is slow, full or gone, or less than record.min_free_mb is free on it; the "
          "daemon's log says which (record.lost, record.failures).",
          "Make room there, or restart the daemon with another record.file.");
@@ -82,11 +85,11 @@ void Examination::Counters() {
     const std::string& name = counter.name();
     const std::uint64_t grown = facts_.Grown(name);
     if (grown == 0 || (formats && Contains(kFormatCounters, name))) continue;
-    const bool said = std::ranges::any_of(findings_, [&](const Finding& finding) {
+    const bool reported = std::ranges::any_of(findings_, [&](const Finding& finding) {
       return finding.why.find(name) != std::string::npos;
     });
-    if (said || (name == "source.kernel_dropped" && Said("kernel_drops")) ||
-        (name == "pipeline.second_sender" && Said("second_sender"))) {
+    if (reported || (name == "source.kernel_dropped" && Reported("kernel_drops")) ||
+        (name == "pipeline.second_sender" && Reported("second_sender"))) {
       continue;
     }
     const CounterWords words = WordsOf(name);
@@ -94,12 +97,12 @@ void Examination::Counters() {
     Report(words.always ? Severity::kWarning : Severity::kNote, Step::kFrames, nullptr,
            "counter_grew", name + " grew by " + std::to_string(grown) + ": " + words.meaning + ".",
            words.always ? "It always has a cause to find."
-                        : "Ordinary at a low rate, bad when it grows steadily.",
+                        : "Normal at a low rate, a problem when it grows steadily.",
            words.change + ".");
   }
 }
 
-bool Examination::Said(std::string_view code) const {
+bool Examination::Reported(std::string_view code) const {
   return std::ranges::any_of(findings_,
                              [code](const Finding& finding) { return finding.code == code; });
 }

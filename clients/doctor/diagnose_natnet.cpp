@@ -6,7 +6,7 @@ namespace styled::doctor {
 
 void Examination::NatNet(const SourceFacts& source) {
   if (facts_.daemon_answers() && !source.in_daemon &&
-      source.wanted.origin == Wanted::Origin::kConfig) {
+      source.expected.origin == ExpectedSource::Origin::kConfig) {
     Port(source);
     return;
   }
@@ -20,13 +20,13 @@ void Examination::NatNet(const SourceFacts& source) {
     return Report(
         Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
         "The NatNet server answers, but sends no frames.",
-        "It streams to each client by itself (unicast), and none came in " +
+        "It streams to each client separately (unicast), and none arrived in " +
             Seconds(facts_.seconds) + ".",
         std::string(Row(Format::kNatNet).in_the_sender) + " Motive must be live or playing.");
   }
   if (source.in_daemon) {
     Report(Severity::kProblem, Step::kFrames, &source, "no_frames",
-           Label(source) + ": the server streams skeletons, but no performer comes of it.", "",
+           Label(source) + ": the server streams skeletons, but no performer appears.", "",
            "The daemon's log names what it waits for. Name the server's address there, and the "
            "interface: server = , interface = .");
   }
@@ -41,14 +41,14 @@ void Examination::Unasked(const SourceFacts& source) {
       "itself. ";
   if (*source.received > 0) {
     return Report(Severity::kProblem, Step::kFrames, &source, "no_frames",
-                  Label(source) + ": the NatNet server at " + ToString(source.wanted.listen) +
-                      " answers, but no performer comes of it.",
+                  Label(source) + ": the NatNet server at " + ToString(source.expected.listen) +
+                      " answers, but no performer appears.",
                   std::to_string(*source.received) + " datagrams came from it.",
                   ask + std::string(Row(Format::kNatNet).in_the_sender));
   }
   Report(Severity::kProblem, Step::kArrival, &source, "nothing_arrives",
          "Nothing arrives for " + Label(source) + " from its NatNet server at " +
-             ToString(source.wanted.listen) + ": it does not answer the daemon.",
+             ToString(source.expected.listen) + ": it does not answer the daemon.",
          "The daemon received nothing in " + Seconds(facts_.seconds) + ".",
          ask + "See that server = names the machine that Motive runs on. " +
              std::string(Row(Format::kNatNet).in_the_sender));
@@ -70,7 +70,7 @@ bool Examination::Server(const SourceFacts& source) {
   }
   const std::string server = ToString(answers.server);
   if (!answers.answered) {
-    std::string why = "It was asked who it is, and did not answer.";
+    std::string why = "It did not answer a connection request.";
     for (const Flow* flow : Flows()) {
       if (flow->tally.MainFormat() != Format::kNatNet) continue;
       explained_.push_back(flow);
@@ -90,14 +90,14 @@ bool Examination::Server(const SourceFacts& source) {
   if (answers.version < natnet::kOldest) {
     return fail(Step::kVersion, "unusable_version",
                 answers.name + " at " + server + " speaks NatNet " + version +
-                    "; the daemon takes 2.7 and later.",
+                    "; the daemon accepts 2.7 and later.",
                 "", "Update Motive to 1.7 or later.");
   }
   if (!answers.model_answered || !answers.model_read) {
     return fail(Step::kSkeleton, "no_skeleton",
-                answers.name + " at " + server + " does not say which skeletons it tracks.",
+                answers.name + " at " + server + " does not report its skeletons.",
                 answers.model_answered ? "Its model could not be read."
-                                       : "It was asked for its model, and did not answer.",
+                                       : "It did not answer the request for its model.",
                 "In Motive switch Streaming off and on again; if that does not help, restart it.");
   }
   if (answers.skeletons == 0) {
@@ -112,7 +112,7 @@ bool Examination::Server(const SourceFacts& source) {
 
 bool Examination::Group(const SourceFacts& source) {
   const NatNetAnswers& answers = *source.natnet;
-  const std::string group = answers.group.empty() ? source.wanted.group : answers.group;
+  const std::string group = answers.group.empty() ? source.expected.group : answers.group;
   const std::string place = ToString({group, answers.data_port});
   const Interface* chosen = FindInterface(facts_.interfaces, source.group_interface);
   Tally tally;
@@ -133,7 +133,8 @@ bool Examination::Group(const SourceFacts& source) {
   if (GroupElsewhere(source, group)) return false;
   if (chosen != nullptr && !chosen->multicast && !chosen->loopback) {
     Report(Severity::kProblem, Step::kArrival, &source, "interface_no_multicast",
-           "Frames come by the group " + place + ", and " + chosen->name + " takes no multicast.",
+           "Frames are sent to the group " + place + ", and " + chosen->name +
+               " does not accept multicast.",
            "The interface has no MULTICAST flag.",
            "ip link set " + chosen->name +
                " multicast on, or set interface = to the one that the "
@@ -162,7 +163,7 @@ bool Examination::GroupElsewhere(const SourceFacts& source, const std::string& g
            "Frames of the group " + ToString(flow->to) + " come by " + flow->interface + ", but " +
                Label(source) + " listens on " + name + ".",
            std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ".",
-           "Set interface = \"" + flow->interface + "\" for " + source.wanted.name +
+           "Set interface = \"" + flow->interface + "\" for " + source.expected.name +
                " and restart the daemon.");
     return true;
   }

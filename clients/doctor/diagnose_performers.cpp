@@ -1,5 +1,5 @@
-// Checks each performer: whether frames leave for the datagrams that arrive, and what looks wrong
-// with the rig.
+// Checks each performer: whether arriving datagrams result in frames, and apparent errors of the
+// rig.
 #include <algorithm>
 #include <cctype>
 #include <string>
@@ -26,7 +26,7 @@ std::string Sentence(std::string cure, const std::string& performer) {
 
 }  // namespace
 
-// Frames come out without it; it is needed where machines must agree about the time.
+// Frames are published without it; it is needed if machines must agree about the time.
 void Examination::Clock() {
   if (!facts_.daemon_answers() || !facts_.daemon.after.stats().has_clock()) return;
   const v1::ClockState& clock = facts_.daemon.after.stats().clock();
@@ -38,50 +38,51 @@ void Examination::Clock() {
          "The wall times of frames drift away from those of other machines; their order and the "
          "styling do not depend on it.",
          ptp ? "Run phc2sys: it sets the system's clock by ptp4l's."
-             : "Where machines must agree about the time: run chrony, or ptp4l and phc2sys.");
+             : "If machines must agree about the time: run chrony, or ptp4l and phc2sys.");
 }
 
-// A pair in which nobody would go on is found out on the evening of the show, or here.
+// Checks a pair: without this, a pair in which no daemon could take over would only be noticed
+// during a show.
 void Examination::Standby() {
   if (!facts_.daemon_answers() || !facts_.daemon.after.stats().has_standby()) return;
   const v1::StandbyState& standby = facts_.daemon.after.stats().standby();
   if (!standby.heard()) {
     Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_alone",
-           "The other daemon, " + standby.peer() + ", is not heard.",
-           "It does not run, its [standby] address or peer is another, or a network or a key is "
-           "between them. Nobody goes on where this one ends.",
-           "Start it; stylectl status there and its log say what it hears.");
+           "The other daemon, " + standby.peer() + ", does not answer.",
+           "It does not run, its [standby] address or peer is different, or a network or a key is "
+           "between them. No daemon would take over if this one ended.",
+           "Start it; stylectl status there and its log show what it receives.");
   }
   if (standby.role() == "following" && standby.heard() && !standby.ready()) {
-    Report(
-        Severity::kWarning, Step::kDaemon, nullptr, "standby_unready",
-        "This standby would not go on as the leader does: " + standby.why_not() + ".",
-        "It needs the leader's weights, styles, outputs, sources and settings. Alone it leads all "
-        "the same, with what it has.",
-        "Make the two configurations the same, and start this daemon again.");
+    Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_unready",
+           "This standby would not continue like the leader: " + standby.why_not() + ".",
+           "It needs the leader's weights, styles, outputs, sources and settings. Alone it leads "
+           "anyway, with its own.",
+           "Make the two configurations the same, and start this daemon again.");
   }
   StandbyLinks(standby);
   for (const auto& performer : standby.without_input()) {
     Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_without_input",
-           performer + ": their frames reach the leader, and not this standby.",
-           "The rig sends to one of the two machines alone.",
-           "Let the rig send to both, by a second target, multicast, or a repeater.");
+           performer + ": their frames reach the leader, but not this standby.",
+           "The rig sends to only one of the two machines.",
+           "Let the rig send to both: with a second target, multicast, or a repeater.");
   }
 }
 
-// What a leader finds out about its pair, and what either of them hears from others.
+// Problems of its pair that a leader detects, and messages from other programs that either of them
+// receives.
 void Examination::StandbyLinks(const v1::StandbyState& standby) {
   if (standby.role() == "leading" && standby.differs_size() > 0) {
     Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_differs",
-           "The standby is set up otherwise: " + standby.differs(0) +
+           "The standby has other settings: " + standby.differs(0) +
                (standby.differs_size() > 1 ? "; stylectl status lists more." : "."),
-           "Poses would come out otherwise where it goes on.",
+           "Poses would differ after a takeover.",
            "Make the two configurations the same, and start the standby again.");
   }
   if (standby.role() == "leading" && !standby.too_large().empty()) {
     Report(Severity::kWarning, Step::kDaemon, nullptr, "standby_too_large",
-           "The standby cannot have " + standby.too_large() + ".",
-           "It is larger than a message of the journal may be.",
+           "The standby cannot get " + standby.too_large() + ".",
+           "It is larger than the limit of a journal message.",
            "Remove the style, or make the file smaller and import it again.");
   }
   if (standby.refused() > 0) {
@@ -89,7 +90,7 @@ void Examination::StandbyLinks(const v1::StandbyState& standby) {
            std::to_string(standby.refused()) + " messages from " + standby.peer() +
                " were ignored; the last: " + standby.refused_why() + ".",
            "Another program may have that address, or a daemon of another version.",
-           "Look what listens there; keys ([security]) admit the other daemon alone.");
+           "Check what listens there; keys ([security]) admit only the other daemon.");
   }
 }
 
@@ -103,8 +104,9 @@ void Examination::Performers() {
     const std::uint64_t left = now.published() - (known ? then->published() : 0);
     if (!now.warning().empty()) {
       Report(Severity::kWarning, Step::kSkeleton, nullptr, "rig_warning",
-             now.performer() + ": " + now.warning() + ".", "The daemon sees it in the rig's poses.",
-             "Mend the rig as said; where it is the acting, nothing.");
+             now.performer() + ": " + now.warning() + ".",
+             "The daemon detects it in the rig's poses.",
+             "Fix the rig as described; if it is intended acting, do nothing.");
     }
     if (refused == 0) continue;
     if (left > 0 && now.refused_as() == "pipeline.second_sender") {
@@ -120,7 +122,7 @@ void Examination::Performers() {
     const RefusalReason& reason = ReasonOf(now.refused_as());
     Report(left == 0 ? Severity::kProblem : Severity::kWarning, Step::kFrames, nullptr,
            "performer_refused",
-           now.performer() + ": " + std::to_string(refused) + " datagrams came and " +
+           now.performer() + ": " + std::to_string(refused) + " datagrams arrived and " +
                (left == 0 ? "no frame" : "only " + std::to_string(left) + " frames") +
                " left, because " + std::string(reason.why) + ".",
            (now.refused_as().empty() ? "Counted while we listened."
@@ -131,7 +133,7 @@ void Examination::Performers() {
 
 bool Examination::RefusesPerformers(const SourceFacts& source) const {
   return std::ranges::any_of(facts_.daemon.after.stats().performers(), [&](const auto& performer) {
-    return performer.performer().starts_with(source.wanted.name + ".") &&
+    return performer.performer().starts_with(source.expected.name + ".") &&
            !performer.refused_as().empty() && !performer.live();
   });
 }

@@ -33,7 +33,7 @@ class Examiner {
     facts_.seconds = options_.seconds;
     Status status = ReadConfig();
     if (!status.ok()) return status;
-    status = AskDaemon();
+    status = QueryDaemon();
     if (!status.ok()) return status;
     status = ChooseSources();
     if (!status.ok()) return status;
@@ -49,9 +49,9 @@ class Examiner {
     (void)Ask(facts_.daemon.after);
     facts_.heard = probe_->heard().flows();
     facts_.seen = probe_->seen().flows();
-    LookAtHolders(before, ListSockets());
+    CheckHolders(before, ListSockets());
     CountReceived();
-    LookAtFirewall();
+    CheckFirewall();
     return std::move(facts_);
   }
 
@@ -79,7 +79,7 @@ class Examiner {
     return control_->Status(&reply);
   }
 
-  Status AskDaemon() {
+  Status QueryDaemon() {
     DaemonFacts& daemon = facts_.daemon;
     auto control =
         client::Control::Connect({daemon.endpoint, options_.timeout, options_.curve, {}});
@@ -107,68 +107,70 @@ class Examiner {
   }
 
   // Chooses the sources: those of the daemon; in addition, or without a daemon, those of the file;
-  // else those of a daemon without configuration. Sources of --listen are added.
+  // otherwise those of a daemon without configuration. Sources of --listen are added.
   Status ChooseSources() {
     for (const auto& info : facts_.daemon.after.sources()) {
-      SourceFacts& source =
-          AddSource(MakeWanted(Wanted::Origin::kDaemon, info.name(), info.type(), info.listen()));
+      SourceFacts& source = AddSource(
+          MakeExpected(ExpectedSource::Origin::kDaemon, info.name(), info.type(), info.listen()));
       source.in_daemon = true;
-      source.wanted.merge_into = info.merge_into();
+      source.expected.merge_into = info.merge_into();
     }
-    for (const Wanted& wanted : configured_) AddConfigured(wanted);
+    for (const ExpectedSource& expected : configured_) AddConfigured(expected);
     for (const auto& text : options_.listen) {
-      auto wanted = ParseListen(text);
-      if (!wanted.ok()) return Status::Error("--listen " + wanted.status().message());
-      const Wanted& asked = wanted.value();
+      auto expected = ParseListen(text);
+      if (!expected.ok()) return Status::Error("--listen " + expected.status().message());
+      const ExpectedSource& asked = expected.value();
       const bool known = std::ranges::any_of(facts_.sources, [&asked](const SourceFacts& source) {
-        return source.wanted.stream == asked.stream && source.wanted.listen == asked.listen;
+        return source.expected.stream == asked.stream && source.expected.listen == asked.listen;
       });
       if (!known) AddSource(asked);
     }
     if (facts_.sources.empty()) {
-      for (const Wanted& wanted : AssumedSources()) AddSource(wanted);
+      for (const ExpectedSource& expected : AssumedSources()) AddSource(expected);
     }
     if (options_.source.empty()) return Status::Ok();
     facts_.one_source = true;
     std::string known;
-    for (const auto& source : facts_.sources) known += " " + source.wanted.name;
+    for (const auto& source : facts_.sources) known += " " + source.expected.name;
     std::erase_if(facts_.sources, [this](const SourceFacts& source) {
-      return source.wanted.name != options_.source;
+      return source.expected.name != options_.source;
     });
     if (!facts_.sources.empty()) return Status::Ok();
     return Status::Error("--source " + options_.source + ": no such source; there are" + known);
   }
 
   // The daemon reports less than the file contains; a source of the daemon is not listed twice.
-  void AddConfigured(const Wanted& wanted) {
+  void AddConfigured(const ExpectedSource& expected) {
     for (SourceFacts& source : facts_.sources) {
-      const Wanted& known = source.wanted;
-      const bool port = wanted.listen.port == 0 || wanted.listen.port == known.listen.port;
-      if (!source.in_daemon || known.name != wanted.name || known.type != wanted.type || !port) {
+      const ExpectedSource& known = source.expected;
+      const bool port = expected.listen.port == 0 || expected.listen.port == known.listen.port;
+      if (!source.in_daemon || known.name != expected.name || known.type != expected.type ||
+          !port) {
         continue;
       }
       const Endpoint listen = known.listen;
-      source.wanted = wanted;
-      source.wanted.origin = Wanted::Origin::kDaemon;
-      source.wanted.listen = listen;
+      source.expected = expected;
+      source.expected.origin = ExpectedSource::Origin::kDaemon;
+      source.expected.listen = listen;
       return;
     }
     // An old daemon reports no sources; then those of the file are assumed.
-    AddSource(wanted).in_daemon = facts_.daemon_answers() && facts_.daemon.after.sources().empty();
+    AddSource(expected).in_daemon =
+        facts_.daemon_answers() && facts_.daemon.after.sources().empty();
   }
 
-  SourceFacts& AddSource(const Wanted& wanted) {
-    facts_.sources.emplace_back().wanted = wanted;
+  SourceFacts& AddSource(const ExpectedSource& expected) {
+    facts_.sources.emplace_back().expected = expected;
     return facts_.sources.back();
   }
 
   void CallNatNetServers() {
     bool called = false;
     for (SourceFacts& source : facts_.sources) {
-      if (source.wanted.format != Format::kNatNet || facts_.daemon.remote) continue;
-      // Only the file says by which interface, and whether by a group.
-      if (source.in_daemon && source.wanted.server.empty()) continue;
-      auto call = MakeNatNetCall(source.wanted.server, source.natnet.emplace());
+      if (source.expected.format != Format::kNatNet || facts_.daemon.remote) continue;
+      // Only the file states the interface, and whether a group is used.
+      if (source.in_daemon && source.expected.server.empty()) continue;
+      auto call = MakeNatNetCall(source.expected.server, source.natnet.emplace());
       if (call.ok()) {
         probe_->Add(std::move(call.value()));
         called = true;
@@ -181,23 +183,23 @@ class Examiner {
     for (SourceFacts& source : facts_.sources) {
       if (!source.natnet) continue;
       const std::string group =
-          source.natnet->group.empty() ? source.wanted.group : source.natnet->group;
-      if (!source.natnet->answered) source.natnet->multicast = source.wanted.multicast;
-      const std::string& chosen = source.wanted.interface;
+          source.natnet->group.empty() ? source.expected.group : source.natnet->group;
+      if (!source.natnet->answered) source.natnet->multicast = source.expected.multicast;
+      const std::string& chosen = source.expected.interface;
       source.group_interface = chosen.empty() ? RouteTo(group) : chosen;
       groups.emplace(group, source.natnet->data_port);
     }
     if (groups.empty() && !facts_.daemon_answers()) {
-      groups.emplace(Wanted().group, natnet::kDataPort);
+      groups.emplace(ExpectedSource().group, natnet::kDataPort);
     }
     for (const auto& [group, port] : groups) (void)probe_->Join(group, port);
   }
 
-  // They are asked while we listen.
+  // They are queried while we listen.
   void CallQtmServers() {
     for (SourceFacts& source : facts_.sources) {
-      if (source.wanted.format != Format::kQtm || facts_.daemon.remote) continue;
-      auto call = MakeQtmCall(source.wanted.listen, source.qtm.emplace());
+      if (source.expected.format != Format::kQtm || facts_.daemon.remote) continue;
+      auto call = MakeQtmCall(source.expected.listen, source.qtm.emplace());
       if (call.ok()) {
         probe_->Add(std::move(call.value()));
       } else {
@@ -211,14 +213,15 @@ class Examiner {
     if (facts_.daemon.remote) return;
     std::set<std::pair<bool, std::uint16_t>> opened;
     for (SourceFacts& source : facts_.sources) {
-      const Wanted& wanted = source.wanted;
-      if (!wanted.network || wanted.listen.port == 0 || Row(wanted.format).asks_server) continue;
-      const bool v6 = wanted.listen.host.find(':') != std::string::npos;
-      if (opened.emplace(wanted.stream, wanted.listen.port).second) {
-        source.port = probe_->Open(wanted.stream, wanted.listen.port, v6);
-        states_[{wanted.stream, wanted.listen.port}] = *source.port;
+      const ExpectedSource& expected = source.expected;
+      if (!expected.network || expected.listen.port == 0 || Row(expected.format).asks_server)
+        continue;
+      const bool v6 = expected.listen.host.find(':') != std::string::npos;
+      if (opened.emplace(expected.stream, expected.listen.port).second) {
+        source.port = probe_->Open(expected.stream, expected.listen.port, v6);
+        states_[{expected.stream, expected.listen.port}] = *source.port;
       } else {
-        source.port = states_[{wanted.stream, wanted.listen.port}];
+        source.port = states_[{expected.stream, expected.listen.port}];
       }
     }
     for (int f = 0; f < static_cast<int>(Format::kCount); ++f) {
@@ -244,13 +247,12 @@ class Examiner {
     for (auto& listener : listeners.value()) probe_->Add(std::move(listener));
   }
 
-  void LookAtHolders(const std::vector<BoundSocket>& before,
-                     const std::vector<BoundSocket>& after) {
+  void CheckHolders(const std::vector<BoundSocket>& before, const std::vector<BoundSocket>& after) {
     for (SourceFacts& source : facts_.sources) {
-      const Wanted& wanted = source.wanted;
-      if (Row(wanted.format).asks_server) continue;  // its address is not on this machine
+      const ExpectedSource& expected = source.expected;
+      if (Row(expected.format).asks_server) continue;  // its address is not on this machine
       for (const BoundSocket& socket : after) {
-        if (socket.stream != wanted.stream || socket.local.port != wanted.listen.port) continue;
+        if (socket.stream != expected.stream || socket.local.port != expected.listen.port) continue;
         if (socket.pid == getpid()) continue;
         source.holders.push_back(socket);
         const auto earlier = std::ranges::find(before, socket.inode, &BoundSocket::inode);
@@ -265,29 +267,29 @@ class Examiner {
     for (SourceFacts& source : facts_.sources) {
       for (int i = 0; source.in_daemon && i < std::min(before.size(), after.size()); ++i) {
         const auto endpoint = ParseEndpoint(after[i].listen());
-        if (after[i].name() != source.wanted.name || after[i].type() != source.wanted.type ||
-            (endpoint && *endpoint != source.wanted.listen)) {
+        if (after[i].name() != source.expected.name || after[i].type() != source.expected.type ||
+            (endpoint && *endpoint != source.expected.listen)) {
           continue;
         }
         source.received = after[i].received() - before[i].received();
-        // The daemon's own count: another machine's sockets cannot be looked at.
+        // The daemon's own count, because another machine's sockets cannot be examined.
         const std::uint64_t drops = after[i].kernel_dropped() - before[i].kernel_dropped();
         source.drops = std::max(source.drops, drops);
       }
     }
   }
 
-  void LookAtFirewall() {
+  void CheckFirewall() {
     const Firewall firewall = Firewall::Read();
     facts_.firewall = firewall.why();
     if (!firewall.readable()) return;
     for (SourceFacts& source : facts_.sources) {
-      const Wanted& wanted = source.wanted;
-      Firewall::Packet packet{wanted.stream, wanted.listen.port, "", ""};
-      if (IsLoopback(wanted.listen.host)) packet.interface = "lo";
+      const ExpectedSource& expected = source.expected;
+      Firewall::Packet packet{expected.stream, expected.listen.port, "", ""};
+      if (IsLoopback(expected.listen.host)) packet.interface = "lo";
       if (source.natnet) {
         packet.port = source.natnet->data_port;
-        packet.destination = source.natnet->group.empty() ? wanted.group : source.natnet->group;
+        packet.destination = source.natnet->group.empty() ? expected.group : source.natnet->group;
       }
       source.firewall = firewall.Judge(packet);
     }
@@ -295,7 +297,7 @@ class Examiner {
 
   const Options& options_;
   Facts facts_;
-  std::vector<Wanted> configured_;
+  std::vector<ExpectedSource> configured_;
   std::unique_ptr<client::Control> control_;
   std::optional<Probe> probe_;
   std::set<std::uint16_t> ports_;

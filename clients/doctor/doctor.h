@@ -25,7 +25,7 @@ struct Options {
   bool capture = true;  // also capture at the interfaces, if the process has the rights
 };
 
-// Collects all facts; Diagnose() (diagnose.h) judges them. Takes options.seconds and up to two
+// Collects all facts; Diagnose() (diagnose.h) evaluates them. Takes options.seconds and up to two
 // timeouts. Errors: an unreadable file, an unknown source, or an invalid address in the options.
 Result<Facts> Examine(const Options& options);
 

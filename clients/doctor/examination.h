@@ -15,11 +15,11 @@ class Examination {
   std::vector<Finding> Run();
 
  private:
-  // What arrived at the address of a source, or would have arrived if the daemon listened.
+  // The data that arrived at the address of a source, or would have arrived if the daemon listened.
   struct Evidence {
     std::vector<const Flow*> flows;
     Tally tally;
-    std::uint64_t arrived = 0;  // by the daemon if it counts, else the tally's sum
+    std::uint64_t arrived = 0;  // the daemon's count if there is one, otherwise the tally's sum
     std::string Senders() const;
   };
 
@@ -64,7 +64,7 @@ class Examination {
   void Counters();
   void Lateness();
   void Recording();
-  bool Said(std::string_view code) const;  // a finding of that code is there
+  bool Reported(std::string_view code) const;  // a finding of that code is there
 
   // diagnose_natnet.cpp
   void NatNet(const SourceFacts& source);
@@ -78,14 +78,15 @@ class Examination {
 
   // Queries on the facts.
   Evidence EvidenceOf(const SourceFacts& source) const;
-  // How much of a counter's growth must be the source's. The daemon counts all sources together:
-  // what the datagrams of the others may explain is not laid to this one.
+  // The part of a counter's growth that must be the source's. The daemon counts all sources
+  // together: the growth that the datagrams of other sources may explain is not attributed to this
+  // one.
   std::uint64_t GrownOf(const SourceFacts& source, const std::string& counter) const;
-  // What to look for in the source's sender.
-  static std::string InTheSender(const Wanted& wanted);
+  // What to check in the source's sender.
+  static std::string InTheSender(const ExpectedSource& expected);
   // Those in `heard`, and those in `seen` that have no counterpart in `heard`.
   std::vector<const Flow*> Flows() const;
-  static bool Reaches(const Flow& flow, const Wanted& wanted);
+  static bool Reaches(const Flow& flow, const ExpectedSource& expected);
   bool Claimed(const Flow& flow) const;
   bool HasLivePerformer(const SourceFacts& source) const;
   // Whether the source has a live performer, or another source of the same name receives datagrams.
@@ -98,10 +99,10 @@ class Examination {
   std::vector<const Flow*> explained_;  // flows that a finding has already explained
 };
 
-// A counter of the daemon; 0 where it has none of that name.
+// A counter of the daemon; 0 if it has none of that name.
 std::uint64_t ValueOf(const v1::StatusReply& status, const std::string& counter);
 
 // "0.0.0.0:9763/udp".
-std::string PlaceOf(const Wanted& wanted);
+std::string PlaceOf(const ExpectedSource& expected);
 
 }  // namespace styled::doctor

@@ -15,7 +15,7 @@
 #include "clients/doctor/traffic.h"
 #include "proto/styled/v1/control.pb.h"
 
-// Everything that the examination found, before it is judged.
+// The results of the examination, before their evaluation.
 namespace styled::doctor {
 
 struct DaemonFacts {
@@ -35,7 +35,7 @@ struct DaemonFacts {
 };
 
 struct SourceFacts {
-  Wanted wanted;
+  ExpectedSource expected;
   bool in_daemon = false;                 // the running daemon has this source
   std::optional<std::uint64_t> received;  // by the daemon, during listening
   std::optional<PortState> port;          // empty: not examined
@@ -57,8 +57,8 @@ struct Facts {
   std::vector<Interface> interfaces;
   std::vector<Flow> heard;  // on this program's sockets
   std::vector<Flow> seen;   // captured at the interfaces; see `capture`
-  std::string capture;      // "": capturing worked; else why not
-  std::string firewall;     // "": the rules were readable; else why not
+  std::string capture;      // "": capturing worked; otherwise the reason why not
+  std::string firewall;     // "": the rules were readable; otherwise the reason why not
 
   bool daemon_answers() const { return daemon.state == DaemonFacts::State::kAnswers; }
   // Growth of a daemon's counter during listening; 0 without a daemon.

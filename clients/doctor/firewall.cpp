@@ -249,14 +249,14 @@ class Walk {
     return std::nullopt;
   }
 
-  Match Contains(const json& value, const std::string& wanted) const {
+  Match Contains(const json& value, const std::string& expected) const {
     const auto elements = Elements(value);
     if (!elements) return Match::kUnknown;
     Match found = Match::kNo;
     for (const auto& element : *elements) {
       if (element.is_object()) {
         found = Match::kUnknown;  // a range, a prefix
-      } else if (Text(element) == wanted || Protocol(element) == wanted) {
+      } else if (Text(element) == expected || Protocol(element) == expected) {
         return Match::kYes;
       }
     }
@@ -317,7 +317,7 @@ Firewall Firewall::FromJson(const std::string& text) {
   Firewall out;
   const json parsed = json::parse(text, nullptr, false);
   if (!parsed.is_object() || !parsed.contains("nftables") || !parsed["nftables"].is_array()) {
-    out.why_ = "what nft says is not understood";
+    out.why_ = "nft's output cannot be parsed";
     return out;
   }
   json rules = json::array();

@@ -7,9 +7,10 @@ namespace {
 
 using rigs::RigType;
 
-constexpr RigType kUnknownFormat{.word = "unknown",
-                                 .name = "an unknown format",
-                                 .in_the_sender = "Look where the rig's software sends."};
+constexpr RigType kUnknownFormat{
+    .word = "unknown",
+    .name = "an unknown format",
+    .in_the_sender = "Check the target address of the rig's software."};
 
 }  // namespace
 

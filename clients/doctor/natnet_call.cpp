@@ -38,7 +38,7 @@ class NatNetCall final : public Listener {
   void Tick(double now_s) override {
     if (now_s < next_s_) return;
     next_s_ = now_s + kAsk_s;
-    if (!answers_.answered) return AskWho();
+    if (!answers_.answered) return RequestServerInfo();
     if (!answers_.model_answered) Send(MessageId::kRequestModelDef);
     if (now_s >= next_alive_s_) {
       next_alive_s_ = now_s + kKeepAlive_s;
@@ -50,7 +50,7 @@ class NatNetCall final : public Listener {
   void Accept(std::span<const std::byte> bytes, Notebook& notes) {
     natnet::Packet packet;
     if (natnet::DecodePacket(bytes, packet) != natnet::DecodeResult::kOk) return;
-    if (packet.id == MessageId::kServerInfo) return TakeInfo(packet.payload, notes);
+    if (packet.id == MessageId::kServerInfo) return HandleInfo(packet.payload, notes);
     if (packet.id == MessageId::kFrameOfData)
       return answers_.frames.Add(notes.sniffer.Sniff(bytes));
     if (packet.id != MessageId::kModelDef || !answers_.answered) return;
@@ -62,7 +62,7 @@ class NatNetCall final : public Listener {
     answers_.rigid_bodies = model_->rigid_body_count;
   }
 
-  void TakeInfo(std::span<const std::byte> payload, Notebook& notes) {
+  void HandleInfo(std::span<const std::byte> payload, Notebook& notes) {
     natnet::ServerInfo info;
     if (natnet::DecodeServerInfo(payload, info) != natnet::DecodeResult::kOk) return;
     answers_.answered = true;
@@ -79,7 +79,7 @@ class NatNetCall final : public Listener {
 
   // Alternates between the request that old servers understand and the one of version 4.0 and
   // later.
-  void AskWho() {
+  void RequestServerInfo() {
     natnet::Connect connect;
     connect.shape =
         asked_++ % 2 == 0 ? natnet::Connect::Shape::kRecord : natnet::Connect::Shape::kBitstream;
@@ -116,7 +116,7 @@ Result<std::unique_ptr<Listener>> MakeNatNetCall(const std::string& server,
   sockaddr_storage address;
   const socklen_t size = endpoint ? ToSocket(*endpoint, address) : 0;
   if (size == 0 || address.ss_family != AF_INET) {
-    return Status::Error("server: \"" + server + "\" is no IPv4 address");
+    return Status::Error("server: \"" + server + "\" is not an IPv4 address");
   }
   answers.server = *endpoint;
   Descriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));

@@ -13,7 +13,7 @@ namespace styled::doctor {
 // The replies of a NatNet server.
 struct NatNetAnswers {
   Endpoint server;
-  std::string error;  // set if the server could not be asked
+  std::string error;  // set if the server did not get the request
   bool answered = false;
   std::string name;  // of the server's application
   natnet::Version version;

@@ -167,7 +167,7 @@ Result<Descriptor> Probe::Bind(bool stream, const std::string& host, std::uint16
                                int* error) {
   sockaddr_storage address;
   const socklen_t size = ToSocket({host, port}, address);
-  if (size == 0) return Status::Error(host + " is no numeric address");
+  if (size == 0) return Status::Error(host + " is not a numeric address");
   const int type = stream ? SOCK_STREAM : SOCK_DGRAM;
   Descriptor fd(socket(address.ss_family, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const auto refuse = [&] {
@@ -216,7 +216,7 @@ PortState Probe::Open(bool stream, std::uint16_t port, bool v6) {
       if (!other_family && listen(host) == 0) state.hosts.push_back(host);
     }
   }
-  state.kind = state.hosts.empty() ? PortState::Kind::kTaken : PortState::Kind::kPartly;
+  state.kind = state.hosts.empty() ? PortState::Kind::kInUse : PortState::Kind::kPartly;
   state.why.clear();
   return state;
 }

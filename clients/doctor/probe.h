@@ -16,7 +16,7 @@ struct PortState {
   enum class Kind {
     kHeard,   // on every address
     kPartly,  // only on the addresses that no other program holds
-    kTaken,   // on none: another program holds it on every address
+    kInUse,   // on none: another program holds it on every address
     kRefused  // the system refuses; see `why`
   };
   bool stream = false;

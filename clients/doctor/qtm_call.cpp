@@ -38,7 +38,7 @@ class QtmCall final : public Listener {
       }
       const auto piece = std::span(notes.buffer).first(static_cast<std::size_t>(size));
       received_.insert(received_.end(), piece.begin(), piece.end());
-      if (!TakePackets()) return;
+      if (!HandlePackets()) return;
     }
   }
 
@@ -81,8 +81,8 @@ class QtmCall final : public Listener {
     return false;
   }
 
-  // False: what came is not QTM's.
-  bool TakePackets() {
+  // False: the data is not QTM's.
+  bool HandlePackets() {
     std::size_t begin = 0, size = 0;
     rigs::Cut cut{};
     while (begin < received_.size() && (cut = qtm::CutPacket(std::span(received_).subspan(begin),
@@ -90,12 +90,12 @@ class QtmCall final : public Listener {
       qtm::Packet packet;
       const auto record = std::span(received_).subspan(begin, size);
       begin += size;
-      if (qtm::DecodePacket(record, packet) == qtm::DecodeResult::kOk) Take(packet);
+      if (qtm::DecodePacket(record, packet) == qtm::DecodeResult::kOk) Handle(packet);
     }
     if (cut == rigs::Cut::kBroken) {
       const std::string_view text(reinterpret_cast<const char*>(received_.data()),
                                   received_.size());
-      if (answers_.said.empty()) answers_.said = Printable(text.substr(begin), 40);
+      if (answers_.text.empty()) answers_.text = Printable(text.substr(begin), 40);
       fd_ = Descriptor();
       return false;
     }
@@ -103,30 +103,30 @@ class QtmCall final : public Listener {
     return true;
   }
 
-  void Take(const qtm::Packet& packet) {
+  void Handle(const qtm::Packet& packet) {
     switch (packet.type) {
       case PacketType::kCommand:
       case PacketType::kError:
-        return TakeText(qtm::TextOf(packet.payload));
+        return HandleText(qtm::TextOf(packet.payload));
       case PacketType::kXml:
-        return TakeXml(qtm::TextOf(packet.payload));
+        return HandleXml(qtm::TextOf(packet.payload));
       case PacketType::kNoMoreData:
         answers_.no_measurement = true;
         return;
       case PacketType::kData:
-        return TakeFrame(packet.payload);
+        return HandleFrame(packet.payload);
       default:
         return;
     }
   }
 
-  void TakeText(std::string_view text) {
+  void HandleText(std::string_view text) {
     if (qtm::IsGreeting(text)) {
       answers_.greeted = true;
       return Ask("Version 1." + std::to_string(asked_minor_));
     }
     if (!answers_.greeted || answers_.minor > 0) {
-      if (answers_.said.empty()) answers_.said = Printable(text, 80);
+      if (answers_.text.empty()) answers_.text = Printable(text, 80);
       return;
     }
     if (qtm::TakesVersion(text)) {
@@ -134,16 +134,16 @@ class QtmCall final : public Listener {
       return Ask("GetParameters Skeleton");
     }
     if (asked_minor_ == qtm::kOldestMinor) {
-      answers_.said = Printable(text, 80);
+      answers_.text = Printable(text, 80);
       return;
     }
     Ask("Version 1." + std::to_string(--asked_minor_));
   }
 
-  void TakeXml(std::string_view xml) {
+  void HandleXml(std::string_view xml) {
     const auto read = qtm::ReadParameters(xml);
     if (!read.ok()) {
-      answers_.said = Printable(read.status().message(), 80);
+      answers_.text = Printable(read.status().message(), 80);
       return;
     }
     answers_.skeletons_answered = true;
@@ -151,7 +151,7 @@ class QtmCall final : public Listener {
     Ask("StreamFrames Frequency:10 Skeleton");
   }
 
-  void TakeFrame(std::span<const std::byte> payload) {
+  void HandleFrame(std::span<const std::byte> payload) {
     if (qtm::DecodeFrame(payload, *frame_) != qtm::DecodeResult::kOk) return;
     ++answers_.frames;
     const auto skeletons = std::span(frame_->skeletons).first(frame_->skeleton_count);
@@ -181,7 +181,7 @@ Result<std::unique_ptr<Listener>> MakeQtmCall(const Endpoint& server, QtmAnswers
   sockaddr_storage address;
   const socklen_t size = ToSocket(server, address);
   if (size == 0 || address.ss_family != AF_INET || server.port == 0) {
-    return Status::Error("server: \"" + ToString(server) + "\" is no IPv4 address");
+    return Status::Error("server: \"" + ToString(server) + "\" is not an IPv4 address");
   }
   answers.server = server;
   return std::unique_ptr<Listener>(std::make_unique<QtmCall>(address, answers));

@@ -12,12 +12,12 @@ std::string TextOf(const toml::table& table, std::string_view key, std::string_v
   return table[key].value_or(std::string(otherwise));
 }
 
-Wanted ReadSource(const toml::table& table) {
-  Wanted out = MakeWanted(Wanted::Origin::kConfig, TextOf(table, "name", "rig"),
-                          TextOf(table, "type", "udp"), TextOf(table, "listen", ""));
+ExpectedSource ReadSource(const toml::table& table) {
+  ExpectedSource out = MakeExpected(ExpectedSource::Origin::kConfig, TextOf(table, "name", "rig"),
+                                    TextOf(table, "type", "udp"), TextOf(table, "listen", ""));
   out.merge_into = TextOf(table, "merge_into", "");
   out.server = TextOf(table, "server", "");
-  // The server that is asked, which is all that matters of such a source.
+  // The queried server, which is all that matters of such a source.
   if (const auto* type = rigs::FindSourceType(out.type);
       type != nullptr && type->rig->asks_server) {
     const bool has_port = out.server.find(':') != std::string::npos;
@@ -48,9 +48,9 @@ Settings ReadTable(const toml::table& table) {
 
 }  // namespace
 
-Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::string& type,
-                  const std::string& listen) {
-  Wanted out;
+ExpectedSource MakeExpected(ExpectedSource::Origin origin, const std::string& name,
+                            const std::string& type, const std::string& listen) {
+  ExpectedSource out;
   out.origin = origin;
   out.name = name;
   out.type = type;
@@ -59,7 +59,7 @@ Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::str
   if (const auto endpoint = ParseEndpoint(listen)) {
     out.listen = *endpoint;
   } else if (listen.empty() && out.format != Format::kUnknown) {
-    // A client that asks its server uses any port.
+    // A client that connects to its server uses any port.
     const auto& rig = Row(out.format);
     out.listen = {"0.0.0.0", rig.asks_server ? std::uint16_t{0} : rig.ports[0]};
   } else {
@@ -83,7 +83,7 @@ Result<Settings> ReadSettings(const std::string& file) {
   }
 }
 
-Result<Wanted> ParseListen(const std::string& text) {
+Result<ExpectedSource> ParseListen(const std::string& text) {
   const std::size_t equals = text.find('=');
   const std::string type = text.substr(0, equals);
   const std::string listen = equals == std::string::npos ? "" : text.substr(equals + 1);
@@ -96,12 +96,12 @@ Result<Wanted> ParseListen(const std::string& text) {
     return Status::Error("'" + text + "': expected TYPE=HOST:PORT, HOST numeric, e.g. " + type +
                          "=0.0.0.0:9763");
   }
-  return MakeWanted(Wanted::Origin::kOption, type, type, listen);
+  return MakeExpected(ExpectedSource::Origin::kOption, type, type, listen);
 }
 
-std::vector<Wanted> AssumedSources() {
-  return {MakeWanted(Wanted::Origin::kAssumed, "rig", "udp", "127.0.0.1:7000"),
-          MakeWanted(Wanted::Origin::kAssumed, "rig", "tcp", "127.0.0.1:7000")};
+std::vector<ExpectedSource> AssumedSources() {
+  return {MakeExpected(ExpectedSource::Origin::kAssumed, "rig", "udp", "127.0.0.1:7000"),
+          MakeExpected(ExpectedSource::Origin::kAssumed, "rig", "tcp", "127.0.0.1:7000")};
 }
 
 }  // namespace styled::doctor

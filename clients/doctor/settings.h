@@ -10,7 +10,7 @@
 namespace styled::doctor {
 
 // A source through which frames should arrive.
-struct Wanted {
+struct ExpectedSource {
   enum class Origin {
     kDaemon,   // reported by a running daemon
     kConfig,   // from the configuration file
@@ -31,7 +31,7 @@ struct Wanted {
 };
 
 struct Settings {
-  std::vector<Wanted> sources;
+  std::vector<ExpectedSource> sources;
   std::string control;  // "": not given
 };
 
@@ -41,14 +41,14 @@ struct Settings {
 Result<Settings> ReadSettings(const std::string& file);
 
 // Parses "TYPE=HOST:PORT", the value of --listen.
-Result<Wanted> ParseListen(const std::string& text);
+Result<ExpectedSource> ParseListen(const std::string& text);
 
 // The sources of a daemon that was given no configuration.
-std::vector<Wanted> AssumedSources();
+std::vector<ExpectedSource> AssumedSources();
 
 // Makes a source from the values of a daemon or a file; an empty `listen` means the type's usual
 // address.
-Wanted MakeWanted(Wanted::Origin origin, const std::string& name, const std::string& type,
-                  const std::string& listen);
+ExpectedSource MakeExpected(ExpectedSource::Origin origin, const std::string& name,
+                            const std::string& type, const std::string& listen);
 
 }  // namespace styled::doctor

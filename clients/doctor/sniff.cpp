@@ -176,7 +176,7 @@ class OscContent {
     if (trackers_) return {Format::kVrChat, Verdict::kPose, "trackers"};
     if (vrchat_) return {Format::kVrChat, Verdict::kTalk, "tracking without trackers"};
     if (!vmc_) {
-      return {Format::kUnknown, Verdict::kForeign, "OSC, but no VMC: " + Printable(foreign_, 40)};
+      return {Format::kUnknown, Verdict::kForeign, "OSC, but not VMC: " + Printable(foreign_, 40)};
     }
     if (bones_) return {Format::kVmc, Verdict::kPose, "bones"};
     if (unloaded_) return {Format::kVmc, Verdict::kUseless, "\"no avatar is loaded\""};
@@ -245,8 +245,8 @@ std::optional<Sniffed> SniffFace(Bytes bytes) {
   return {};
 }
 
-// What a QTM server sends. Only its greeting, and data packets whose components add up, are marked
-// well enough.
+// The messages of a QTM server. Only its greeting, and data packets whose components add up, can be
+// recognized reliably.
 std::optional<Sniffed> SniffQtm(Bytes bytes, qtm::Frame& frame) {
   qtm::Packet packet;
   if (qtm::DecodePacket(bytes, packet) != qtm::DecodeResult::kOk) return {};
@@ -284,7 +284,7 @@ Sniffed SniffForeign(Bytes bytes) {
   if (bytes.empty()) return say("empty datagrams");
   // Header of Noitom's binary BVH.
   if (HasMarks(bytes, 0, {0xFF, 0xDD}) && HasMarks(bytes, 62, {0xFF, 0xEE})) {
-    return say("Noitom Axis Studio (binary BVH), which is not taken");
+    return say("Noitom Axis Studio (binary BVH), which is not supported");
   }
   if (bytes[0] == std::byte{'{'}) return say("JSON, but not Rokoko's");
   const auto start = bytes.first(std::min<std::size_t>(bytes.size(), 8));
@@ -379,8 +379,8 @@ Sniffed Sniffer::SniffStart(Bytes start) {
   return {Format::kUnknown, Verdict::kForeign, "large datagrams"};
 }
 
-// Recognizes what a server sends to its clients. The clients' requests have too few fixed bytes to
-// be recognized.
+// Recognizes the messages from a server to its clients. The clients' requests have too few fixed
+// bytes to be recognized.
 std::optional<Sniffed> Sniffer::SniffNatNet(Bytes bytes) {
   natnet::Packet packet;
   if (natnet::DecodePacket(bytes, packet) != natnet::DecodeResult::kOk) return {};

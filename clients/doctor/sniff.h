@@ -27,7 +27,7 @@ const char* Name(Verdict verdict);
 struct Sniffed {
   Format format = Format::kUnknown;
   Verdict verdict = Verdict::kForeign;
-  // In the terms of the format, from a small set: "quaternions (02)", "OSC, but no VMC: /foo".
+  // In the terms of the format, from a small set: "quaternions (02)", "OSC, but not VMC: /foo".
   std::string kind;
 };
 

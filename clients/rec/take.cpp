@@ -163,7 +163,7 @@ std::string Holdings(recording::Reader& reader) {
   }
   std::string text;
   for (const std::string& one : held) text += (text.empty() ? "" : ", ") + one;
-  return text.empty() ? "nothing of the kind" : text;
+  return text.empty() ? "nothing to export" : text;
 }
 
 // Counts the frames of each body.
@@ -229,7 +229,7 @@ void FindMeasures(const styled::v1::Body& body, Take& take) {
   }
   if (rest.empty()) return;
   take.rest = std::move(rest);
-  LookAtRest(take);
+  ReadRest(take);
 }
 
 void SetSkeleton(const styled::v1::Body& body, Take& take) {
@@ -265,7 +265,7 @@ bool AddPose(const Frame& frame, Take& take) {
   return true;
 }
 
-// Lets the times begin with 0, and leaves out what exceeds kLongestPause_s of a pause.
+// Shifts the times to begin with 0, and removes the part of a pause beyond kLongestPause_s.
 void ShortenPauses(Take& take) {
   double before_s = take.times_s.front(), left_out_s = before_s;
   for (double& time_s : take.times_s) {

@@ -49,7 +49,7 @@ void ReportText(Session& session, const v1::CalibrateReply& reply, bool forgotte
     session.out << "; " << reply.worst_joint() << " stood farthest off, by "
                 << std::lround(reply.worst_degrees()) << " degrees";
     if (reply.worst_degrees() > kSloppy_deg) {
-      session.out << ": that is much, and is in every pose from now on; better stand straight "
+      session.out << ": this error will be in every pose from now on; better stand straight "
                      "and calibrate again";
     }
     if (reply.left_handed()) session.out << "; the rig's axes are left-handed and are mirrored";
@@ -57,8 +57,8 @@ void ReportText(Session& session, const v1::CalibrateReply& reply, bool forgotte
   session.out << "\n";
 }
 
-// Asks for the row of the session's performer; none where they are gone.
-client::CallStatus AskNeutral(Session& session, std::optional<v1::NeutralStats>& neutral) {
+// Requests the row of the session's performer; empty if the performer has left.
+client::CallStatus QueryNeutral(Session& session, std::optional<v1::NeutralStats>& neutral) {
   neutral.reset();
   v1::StatusReply status;
   client::CallStatus asked = session.control().Status(&status);
@@ -71,7 +71,7 @@ client::CallStatus AskNeutral(Session& session, std::optional<v1::NeutralStats>&
   return asked;
 }
 
-// Waits until the performer has shown themselves, and tells what came of it.
+// Waits until the performer has been observed, and reports the result.
 int AwaitNeutral(Session& session, float seconds) {
   session.err << session.performer << ": stand, then walk, in your own way, for " << seconds
               << " s\n";
@@ -79,7 +79,7 @@ int AwaitNeutral(Session& session, float seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<float>(seconds + 5);
   do {
     std::this_thread::sleep_for(std::chrono::milliseconds(250));
-    const client::CallStatus asked = AskNeutral(session, neutral);
+    const client::CallStatus asked = QueryNeutral(session, neutral);
     if (!asked.ok()) return session.Fail(asked);
   } while (neutral && neutral->calibrates_s() > 0 && std::chrono::steady_clock::now() < end);
   const bool done = neutral && neutral->calibrated();
@@ -95,13 +95,14 @@ int AwaitNeutral(Session& session, float seconds) {
   if (!done) {
     session.err
         << session.performer
-        << ": hardly stood or walked meanwhile, so nothing is calibrated; their neutral goes "
-           "on being learned\n";
+        << ": hardly stood or walked meanwhile, so nothing is calibrated; their neutral continues "
+           "to be learned\n";
     return kExitRefused;
   }
   session.out << session.performer << ": calibrated; stood or walked for "
               << std::lround(neutral->body_s()) << " s";
-  if (neutral->arms_s() == 0) session.out << ", but never with hanging arms, which are not known";
+  if (neutral->arms_s() == 0)
+    session.out << ", but never with hanging arms, so these are not calibrated";
   session.out << "\n";
   return kExitOk;
 }
@@ -131,7 +132,7 @@ void DeclareCalibrate(Session& session) {
   const auto arguments = std::make_shared<CalibrateArguments>();
   CLI::App* calibrate = session.AddOnline(
       "calibrate",
-      "take how a performer stands now as the rest pose of their rig, or learn their own way to "
+      "set the rest pose of a performer's rig from their present pose, or learn their own way to "
       "stand and walk",
       [&session, arguments] { return Calibrate(session, *arguments); });
   session.AddPerformer(calibrate, true, false);
@@ -142,7 +143,7 @@ void DeclareCalibrate(Session& session) {
           ->capture_default_str();
   calibrate
       ->add_option("--sensors", arguments->sensors,
-                   "of rigs of sensors: full (as worn, and heading), yaw (heading), mounting")
+                   "for rigs of sensors: full (mounting and heading), yaw (heading), mounting")
       ->check(CLI::IsMember({"full", "yaw", "mounting"}))
       ->capture_default_str();
   calibrate->add_option("--countdown", arguments->countdown_s, "seconds to take up the pose")
@@ -150,14 +151,14 @@ void DeclareCalibrate(Session& session) {
       ->capture_default_str();
   CLI::Option* neutral = calibrate->add_flag(
       "--neutral", arguments->neutral,
-      "instead of the rest pose, learn how they stand and walk when no style is asked for");
+      "instead of the rest pose, learn how they stand and walk without a style");
   neutral->excludes(pose);
   calibrate
-      ->add_option("--seconds", arguments->seconds, "of --neutral: how long they stand and walk")
+      ->add_option("--seconds", arguments->seconds, "with --neutral: how long they stand and walk")
       ->check(CLI::Range(1, 60))
       ->needs(neutral)
       ->capture_default_str();
-  calibrate->add_flag("--clear,--forget", arguments->forget, "forget the calibration")
+  calibrate->add_flag("--clear,--forget", arguments->forget, "remove the calibration")
       ->excludes(pose);
 }
 

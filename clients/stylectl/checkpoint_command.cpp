@@ -20,7 +20,7 @@ struct CheckpointArguments {
   bool overwrite = false;
 };
 
-int Take(Session& session, const CheckpointArguments& arguments) {
+int WriteToFile(Session& session, const CheckpointArguments& arguments) {
   const auto usage = [&](const std::string& why) {
     return session.Usage("checkpoint take: " + why);
   };
@@ -73,7 +73,7 @@ int Restore(Session& session, const CheckpointArguments& arguments) {
 }  // namespace
 
 void DeclareLead(Session& session) {
-  session.AddOnline("lead", "let a standby lead from now on; the other daemon follows it then",
+  session.AddOnline("lead", "make a standby the leader; the other daemon becomes its standby",
                     [&session]() -> int {
                       const auto status = session.control().Lead();
                       if (!status.ok()) return session.Fail(status);
@@ -88,15 +88,16 @@ void DeclareCheckpoints(Session& session) {
       session.AddOnline("checkpoint", "a performer's whole state: take it to a file, restore it",
                         [&session] { return session.RunPart(); });
   checkpoint->require_subcommand(1);
-  CLI::App* take = session.AddPart(
-      checkpoint, "take", "write the state of a performer to a file; they go on undisturbed",
-      [&session, arguments] { return Take(session, *arguments); });
+  CLI::App* take =
+      session.AddPart(checkpoint, "take",
+                      "write the state of a performer to a file, without affecting the performer",
+                      [&session, arguments] { return WriteToFile(session, *arguments); });
   take->add_option("PERFORMER", arguments->performer, "SOURCE.NAME")->required();
   take->add_option("FILE", arguments->file, "to write")->required();
   take->add_flag("--overwrite", arguments->overwrite, "replace a file that exists");
   CLI::App* restore =
       session.AddPart(checkpoint, "restore",
-                      "let a performer go on from the state of a file, here or on another daemon",
+                      "continue a performer from the state in a file, here or on another daemon",
                       [&session, arguments] { return Restore(session, *arguments); });
   restore->add_option("FILE", arguments->file, "of take")->required();
   restore->add_option("PERFORMER", arguments->performer, "SOURCE.NAME (default: the file's)");

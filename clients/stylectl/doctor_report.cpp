@@ -38,8 +38,8 @@ std::string Conclusion(const std::vector<Finding>& findings) {
   if (!Healthy(findings)) return "";
   const auto warnings = std::ranges::count_if(
       findings, [](const Finding& f) { return f.severity == Severity::kWarning; });
-  if (warnings == 0) return "\nAll is well: frames come in and go through.\n";
-  return "\nFrames come in and go through, but for " + std::to_string(warnings) +
+  if (warnings == 0) return "\nAll is well: frames arrive and are published.\n";
+  return "\nFrames arrive and are published, except for " + std::to_string(warnings) +
          (warnings == 1 ? " warning.\n" : " warnings.\n");
 }
 
@@ -88,14 +88,14 @@ std::string InterfacesText(const Facts& facts) {
 std::string SourcesText(const Facts& facts) {
   std::vector<std::vector<std::string>> rows{{"SOURCE", "TYPE", "LISTENS", "HELD BY", "RECEIVED"}};
   for (const SourceFacts& source : facts.sources) {
-    const auto& wanted = source.wanted;
+    const auto& expected = source.expected;
     std::string holder = source.in_daemon ? "styled" : "nobody";
     if (!source.in_daemon && !source.holders.empty()) holder = source.holders.front().program;
     if (holder.empty()) holder = "another user";
-    const std::string asks = doctor::Row(wanted.format).asks_server ? "asks " : "";
-    rows.push_back({wanted.name, wanted.type,
-                    wanted.network ? asks + PlaceOf(wanted.listen, wanted.stream) : "-", holder,
-                    source.received ? std::to_string(*source.received) : "-"});
+    const std::string asks = doctor::Row(expected.format).asks_server ? "asks " : "";
+    rows.push_back({expected.name, expected.type,
+                    expected.network ? asks + PlaceOf(expected.listen, expected.stream) : "-",
+                    holder, source.received ? std::to_string(*source.received) : "-"});
   }
   return Table(rows);
 }
@@ -158,9 +158,9 @@ std::string PerformersText(const Facts& facts) {
 }
 
 json SourceJson(const SourceFacts& source) {
-  json out{{"name", source.wanted.name},
-           {"type", source.wanted.type},
-           {"listen", doctor::ToString(source.wanted.listen)},
+  json out{{"name", source.expected.name},
+           {"type", source.expected.type},
+           {"listen", doctor::ToString(source.expected.listen)},
            {"in_daemon", source.in_daemon},
            {"kernel_drops", source.drops}};
   if (source.received) out["received"] = *source.received;
@@ -186,13 +186,12 @@ std::string DoctorText(const Facts& facts, const std::vector<Finding>& findings)
   add(TrafficText(facts.heard, "HEARD AT"));
   add(TrafficText(OnlySeen(facts), "SEEN FOR"));
   if (facts.heard.empty() && facts.seen.empty()) {
-    add("Nothing was heard on the ports that were free in " + doctor::Seconds(facts.seconds) +
-        ".\n");
+    add("Nothing arrived on the free ports in " + doctor::Seconds(facts.seconds) + ".\n");
   }
   if (!facts.capture.empty()) {
     out += Paragraph("",
-                     "Only free ports could be listened to; with sudo, doctor also sees what "
-                     "comes to ports that a program holds.");
+                     "Only free ports could be examined; with sudo, doctor also sees data "
+                     "that arrives at ports of other programs.");
   }
   for (const Finding& finding : findings) {
     std::string head = doctor::Name(finding.severity);

@@ -10,8 +10,9 @@
 
 namespace styled::stylectl {
 
-// Runs `stylectl doctor`: examines, judges, and reports on `out`. Returns kExitOk if no problem was
-// found, kExitRefused if one was found, kExitUsage (with the reason on `err`) for invalid options.
+// Runs `stylectl doctor`: examines, evaluates, and reports on `out`. Returns kExitOk if no problem
+// was found, kExitRefused if one was found, kExitUsage (with the reason on `err`) for invalid
+// options.
 int RunDoctor(const doctor::Options& options, bool json, std::ostream& out, std::ostream& err);
 
 // Formats the findings as text for people and as JSON for programs. Pure.

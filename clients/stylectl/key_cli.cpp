@@ -36,9 +36,9 @@ void DeclareKeyCommands(Session& session) {
                        [&session, arguments, run] { return RunOnKeys(session, *arguments, run); });
   };
   add("keygen", "make a pair of keys in a new file, print the public one", Keygen)
-      ->add_option("FILE", arguments->file, "where it is kept; for your eyes only")
+      ->add_option("FILE", arguments->file, "the file to create; keep it secret")
       ->required();
-  CLI::App* allow = add("allow", "let a client with this key in, at once", AllowKey);
+  CLI::App* allow = add("allow", "allow a client with this key, effective at once", AllowKey);
   allow->add_option("NAME", arguments->name, "the client's name here: A-Z a-z 0-9 _ -")->required();
   allow->add_option("PUBLICKEY", arguments->key, "as keygen printed it, or a file that holds it")
       ->required();
@@ -47,7 +47,8 @@ void DeclareKeyCommands(Session& session) {
                    "subscriber: frames; operator: frames and the control socket")
       ->check(CLI::IsMember({"subscriber", "operator"}))
       ->capture_default_str();
-  CLI::App* revoke = add("revoke", "let a client in no more; it is cut off at once", RevokeKey);
+  CLI::App* revoke =
+      add("revoke", "no longer allow a client; its connections are cut at once", RevokeKey);
   revoke->add_option("NAME", arguments->name, "as shown by keys")->required();
   CLI::App* keys = add("keys", "the daemon's key, and the clients that it allows", ListKeys);
   session.with_key_folder = {allow, revoke, keys};

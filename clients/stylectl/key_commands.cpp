@@ -13,7 +13,7 @@ Status CheckFolder(const std::string& folder) {
   std::error_code error;
   if (std::filesystem::is_directory(folder, error)) return Status::Ok();
   return Status::Error(folder +
-                       " is no folder; expected the daemon's security.keys: --keys FOLDER or "
+                       " is not a folder; expected the daemon's security.keys: --keys FOLDER or "
                        "STYLED_SECURITY_KEYS (a daemon makes it at its first start)");
 }
 
@@ -77,7 +77,7 @@ Result<KeyReport> ListKeys(const KeyArguments& arguments) {
   }
   report.object["complaints"] = clients.value().complaints;
   for (const auto& complaint : clients.value().complaints) {
-    report.text += "lets nobody in: " + complaint + "\n";
+    report.text += "allows no client: " + complaint + "\n";
   }
   return report;
 }

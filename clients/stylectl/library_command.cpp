@@ -1,4 +1,4 @@
-// styles: the styles that were made, their files and their names.
+// styles: the made styles, their files and their names.
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -108,7 +108,7 @@ int RemoveStyle(Session& session, const LibraryArguments& arguments) {
 void DeclareStyles(Session& session) {
   const auto arguments = std::make_shared<LibraryArguments>();
   CLI::App* styles = session.AddOnline(
-      "styles", "the styles: list; export, import, rename, remove those made",
+      "styles", "the styles: list; export, import, rename, remove made ones",
       [&session] { return session.has_part() ? session.RunPart() : ListMade(session); });
   styles->require_subcommand(0, 1);
   const auto add = [&](const char* name, const char* text, auto run) {
@@ -116,10 +116,10 @@ void DeclareStyles(Session& session) {
                            [&session, arguments, run] { return run(session, *arguments); });
   };
   const auto add_name = [arguments](CLI::App* command) {
-    command->add_option("NAME", arguments->name, "of a style that was made, as shown by list")
+    command->add_option("NAME", arguments->name, "name of a made style, as shown by list")
         ->required();
   };
-  add("list", "all styles: of the weights, and those made with their source",
+  add("list", "all styles: those of the weights, and made ones with their source",
       [](Session& s, const LibraryArguments&) { return ListMade(s); });
   CLI::App* out = add("export", "write the file of a style that was made",
                       [](Session& s, const LibraryArguments& a) { return ExportStyle(s, a); });
@@ -128,10 +128,10 @@ void DeclareStyles(Session& session) {
   out->add_flag("--overwrite", arguments->overwrite, "replace a file that exists");
   CLI::App* in = add("import", "add the style of a file, for all clients",
                      [](Session& s, const LibraryArguments& a) { return ImportStyle(s, a); });
-  in->add_option("FILE", arguments->file, "as export or the library has it")->required();
-  in->add_option("--name", arguments->name, "of the style (default: the file's)");
+  in->add_option("FILE", arguments->file, "a file written by export or the library")->required();
+  in->add_option("--name", arguments->name, "name of the style (default: the file's)");
   in->add_flag("--replace", arguments->replace,
-               "in place of one of this name that was made; performers that show it fade over");
+               "replace a made style of this name; performers that show it fade over");
   CLI::App* rename = add("rename", "give a style that was made another name",
                          [](Session& s, const LibraryArguments& a) { return RenameStyle(s, a); });
   add_name(rename);

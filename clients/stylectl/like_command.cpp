@@ -36,7 +36,7 @@ struct Arguments {
   double amount = 1;
 };
 
-// The file's name without its extension, as a style may be called.
+// The file's name without its extension, changed to a valid style name.
 std::string NameOf(const std::string& file) {
   std::string name = std::filesystem::path(file).stem();
   for (char& c : name) {
@@ -95,7 +95,7 @@ int Make(Session& session, const Arguments& arguments, v1::Like request) {
   return kExitOk;
 }
 
-// Has the code of a neutral example measured, and writes it into the request.
+// Requests the code of a neutral example, and writes it into the request.
 int MeasureNeutral(Session& session, v1::Like neutral, v1::Like& request) {
   neutral.set_measure(true);
   v1::LikeReply reply;
@@ -167,7 +167,7 @@ int Vary(Session& session, const Arguments& arguments) {
   return Make(session, arguments, std::move(request));
 }
 
-// `everyone`: whether '*' is a performer here; one alone can be learned from.
+// `everyone`: whether '*' is allowed; a style can only be learned from a single performer.
 void AddCommon(Session& session, CLI::App* command, Arguments& arguments, const char* name,
                bool everyone) {
   session.AddPerformer(command, true, everyone);
@@ -179,37 +179,37 @@ void AddCommon(Session& session, CLI::App* command, Arguments& arguments, const 
 void DeclareLike(Session& session) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* like =
-      session.AddOnline("like", "make a style of an example clip; a performer moves in it at once",
+      session.AddOnline("like", "make a style from an example clip, and set a performer to it",
                         [&session, arguments] { return Like(session, *arguments); });
   AddCommon(session, like, *arguments,
-            "of the style, for all clients; an earlier one of this name that was made is replaced "
+            "name of the style, for all clients; a made style of this name is replaced "
             "(default: the file's name)",
             true);
   like->add_option("--clip", arguments->clip, "the example: BVH, glTF binary or VRMA, 0.3 to 60 s")
       ->required();
   like->add_option(
       "--neutral", arguments->neutral_clip,
-      "a clip of the same performer moving as usual; only what differs from it counts");
+      "a clip of the same performer moving as usual; only the difference from it is used");
   like->add_option("--rig", arguments->rig, "the example's rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
   like->add_flag("--unworn", arguments->unworn,
-                 "only make the style; nobody moves in it until set");
+                 "only make the style, without setting a performer to it");
 }
 
 void DeclareLearn(Session& session) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* learn = session.AddOnline(
-      "learn", "make a style of what a performer does from now on; they move in it at once",
+      "learn", "make a style from a performer's motion from now on, and set the performer to it",
       [&session, arguments] { return Learn(session, *arguments); });
-  AddCommon(session, learn, *arguments, "of the style, for all clients", false);
+  AddCommon(session, learn, *arguments, "name of the style, for all clients", false);
   learn->get_option("--name")->required();
   learn->add_option("--seconds", arguments->seconds, "how long the performer shows it")
       ->check(Number(1.0, 60.0))
       ->capture_default_str();
   learn
       ->add_option("--neutral", arguments->neutral_s,
-                   "so many seconds of the performer moving as usual first; only what differs "
-                   "from them counts")
+                   "seconds of the performer moving as usual first; only the difference "
+                   "from them is used")
       ->check(Number(1.0, 60.0));
   learn->add_option("--countdown", arguments->countdown_s, "seconds before each")
       ->check(CLI::Range(0, 60))
@@ -219,14 +219,14 @@ void DeclareLearn(Session& session) {
 void DeclareVary(Session& session) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* vary =
-      session.AddOnline("vary", "make a variation of a style; a performer moves in it at once",
+      session.AddOnline("vary", "make a variation of a style, and set a performer to it",
                         [&session, arguments] { return Vary(session, *arguments); });
-  AddCommon(session, vary, *arguments, "of the variation, for all clients (default: STYLE-SEED)",
-            true);
-  vary->add_option("--style", arguments->style, "as shown by list")->required();
+  AddCommon(session, vary, *arguments,
+            "name of the variation, for all clients (default: STYLE-SEED)", true);
+  vary->add_option("--style", arguments->style, "name of the style, as shown by list")->required();
   vary->add_option("--seed", arguments->seed, "the same number is the same variation")
       ->capture_default_str();
-  vary->add_option("--amount", arguments->amount, "of the variation")
+  vary->add_option("--amount", arguments->amount, "amount of the variation")
       ->check(Number(0.0, 1.5))
       ->capture_default_str();
 }

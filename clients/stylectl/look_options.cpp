@@ -50,7 +50,7 @@ std::string_view UnitOf(const LookField& field) {
   return {};
 }
 
-// Takes the unit off a number that is given with it: 5s.
+// Removes the unit that follows a number: 5s.
 CLI::Validator WithoutUnit(std::string_view unit) {
   return CLI::Validator(
       [unit](std::string& text) {
@@ -80,7 +80,7 @@ struct OptionAdder {
             ->check(Number(static_cast<double>(number.low), static_cast<double>(number.high)));
     if (!unit.empty()) option->transform(WithoutUnit(unit));
   }
-  // A number is the same variation for everyone; `each`, a variation for each.
+  // A number selects the same variation for everyone; `each` selects a different one per performer.
   void AddVary(const LookNumber& number) const {
     command
         .add_option_function<std::string>(
@@ -90,7 +90,7 @@ struct OptionAdder {
               this_change->set_vary(each ? 0 : std::stof(text));
               this_change->set_vary_each(each);
             },
-            help + "; each: everyone another")
+            help + "; each: a different one per performer")
         ->check([most = static_cast<std::uint64_t>(number.high)](const std::string& text) {
           if (text == "each" || Whole(0, most)(text).empty()) return std::string();
           return "'" + text + "': expected a whole number from 0 to " + std::to_string(most) +
@@ -151,7 +151,7 @@ struct OptionAdder {
             [this_change = &change](const std::string& words) {
               SetParts(body::FindParts(words).value_or(body::kAllParts), *this_change);
             },
-            "style these parts alone, comma-separated: " + std::string(body::kPartWords))
+            "style only these parts, comma-separated: " + std::string(body::kPartWords))
         ->check([](const std::string& words) {
           return body::FindParts(words)
                      ? std::string()

@@ -78,7 +78,7 @@ namespace {
 
 std::string RecognizedText(const v1::StyleInfo& style) {
   if (style.recognized() <= 0) return "-";
-  // Down, so that no style is weak at 0.80.
+  // Rounded down, so that no style is weak at 0.80.
   return Fixed(std::floor(100 * style.recognized()) / 100, 2) + (style.weak() ? " weak" : "");
 }
 
@@ -107,13 +107,13 @@ std::array<std::pair<const char*, float>, 5> Limbs(const v1::LimbShares& shown) 
            {"right leg", shown.right_leg()}}};
 }
 
-// What is held back of the style that the performer has, a line; "": nothing that one would miss.
+// A line about the part of the style that is withheld from the performer; "": nothing noticeable.
 std::string HeldBackText(const v1::PerformerStats& performer) {
   constexpr float kMissed = 0.9F;
   if (!performer.live() || !performer.has_turned_deg()) return "";
   if (performer.hardly_styled()) {
     return performer.performer() +
-           " is hardly styled now: the weights leave what they do as it is\n";
+           " is hardly styled now: the weights leave their motion unchanged\n";
   }
   std::string limbs;
   for (const auto& [name, share] : Limbs(performer.shown())) {
@@ -124,8 +124,7 @@ std::string HeldBackText(const v1::PerformerStats& performer) {
   return limbs.empty() ? "" : performer.performer() + " shows of the style: " + limbs + "\n";
 }
 
-// How the daemon knows the performer's own way to stand and walk: "calibrated", or how much of it
-// is learned.
+// The state of the performer's neutral: "calibrated", or how much of it is learned.
 std::string NeutralCell(const v1::PerformerStats& performer) {
   if (!performer.has_neutral()) return "-";
   const v1::NeutralStats& neutral = performer.neutral();
@@ -134,7 +133,7 @@ std::string NeutralCell(const v1::PerformerStats& performer) {
   return Fixed(100 * static_cast<double>(neutral.learned()), 0) + " %";
 }
 
-// Where the style of a performer is not yet what it will be; "": nowhere.
+// Says that the style of a performer is not yet complete; "": it is.
 std::string NeutralText(const v1::PerformerStats& performer) {
   constexpr float kKnown = 0.8F;  // a second
   if (!performer.live() || !performer.has_turned_deg() || !performer.has_neutral()) return "";
@@ -168,7 +167,7 @@ json ShownJson(const v1::LimbShares& shown) {
   return out;
 }
 
-// Of the limb that the style moves most.
+// For the limb that the style moves most.
 double Most_cm(const v1::MovedLimbs& moved) {
   return static_cast<double>(
       std::max({moved.head(), moved.hands(), moved.elbows(), moved.knees(), moved.feet()}));
@@ -267,8 +266,8 @@ json ClockJson(const v1::ClockState& clock) {
   return out;
 }
 
-// What is wrong between the two daemons, a line each. More asks of the leader's state than a
-// standby makes are somebody else's.
+// Problems between the two daemons, a line each. Requests for the leader's state that are more
+// frequent than a standby's come from another program.
 std::string StandbyTrouble(const v1::StandbyState& standby) {
   constexpr std::uint64_t kUsualAsks = 10;
   std::string out;
@@ -295,23 +294,24 @@ std::string StandbyText(const v1::StandbyState& standby) {
   if (standby.role() == "leading") {
     return "standby: this daemon leads (term " + std::to_string(standby.term()) + "); " +
            standby.peer() +
-           (!standby.heard() ? " is not heard: nobody would go on in its place"
+           (!standby.heard() ? " does not answer: no daemon would take over"
                              : " is " + standby.peer_role()) +
            "\n" + StandbyTrouble(standby);
   }
   if (standby.role() != "following") {
-    return "standby: looks whether " + standby.peer() + " leads\n" + StandbyTrouble(standby);
+    return "standby: checks whether " + standby.peer() + " leads\n" + StandbyTrouble(standby);
   }
   std::string out =
       "standby: follows " + standby.peer() + " (term " + std::to_string(standby.term()) + "); " +
       (standby.ready() ? "ready" : "not ready: " + standby.why_not()) + "; " +
-      std::to_string(standby.compared()) + " frames styled as the leader did, " +
-      std::to_string(standby.different()) + " of them came out otherwise, " +
-      std::to_string(standby.apart()) + " by more than the last bits\n" + StandbyTrouble(standby);
+      std::to_string(standby.compared()) + " frames styled in parallel with the leader, " +
+      std::to_string(standby.different()) + " of them with a different result, " +
+      std::to_string(standby.apart()) + " by more than rounding differences\n" +
+      StandbyTrouble(standby);
   for (const auto& performer : standby.without_input()) {
     out += performer +
-           ": the leader has frames, and none of them reach this daemon: it would not "
-           "go on with them\n";
+           ": the leader receives frames, but this daemon does not: after a takeover it could not "
+           "continue with them\n";
   }
   return out;
 }
@@ -428,13 +428,14 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
 }
 
 std::string AppliedText(const std::vector<v1::Applied>& applied, const std::string& what) {
-  if (applied.empty()) return what + ": set, no performer is here yet\n";
+  if (applied.empty()) return what + ": set, no performer is present yet\n";
   std::vector<std::vector<std::string>> rows;
   rows.reserve(applied.size());
   for (const auto& entry : applied) {
-    std::string from = entry.absent() ? "when they come: nobody performs under this name"
-                                      : "from frame " + std::to_string(entry.first_sequence());
-    if (entry.no_strength()) from += ", not to be seen: the strength is 0";
+    std::string from = entry.absent()
+                           ? "from their first frame: no performer of this name is present"
+                           : "from frame " + std::to_string(entry.first_sequence());
+    if (entry.no_strength()) from += ", not visible: the strength is 0";
     rows.push_back({entry.performer(), what, from});
   }
   return Table(rows);
@@ -446,7 +447,7 @@ json ListJson(const v1::ListReply& list) {
     json aliases = json::array();
     for (const std::string& alias : style.aliases()) aliases.push_back(alias);
     styles.push_back({{"name", style.name()}, {"aliases", aliases}, {"neutral", style.neutral()}});
-    // Not measured: null, so that a script does not take it for 0.
+    // Not measured: null, so that a script does not read it as 0.
     json& entry = styles.back();
     entry["recognized"] = style.recognized() > 0 ? json(Rounded(style.recognized(), 3)) : json();
     entry["recorded_s"] = style.recorded_s() > 0 ? json(Rounded(style.recorded_s(), 1)) : json();

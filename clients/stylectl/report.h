@@ -11,7 +11,7 @@ namespace styled::stylectl {
 // Replies as text for people (aligned columns, each line ends in a newline) and as JSON for
 // programs (snake_case keys of the .proto; weights as {"style", "weight"}). Pure.
 std::string ListText(const v1::ListReply& list);
-std::string StylesText(const v1::ListReply& list);  // where each style comes from
+std::string StylesText(const v1::ListReply& list);  // the source of each style
 std::string StatusText(const v1::StatusReply& status, bool all_counters);
 std::string AppliedText(const std::vector<v1::Applied>& applied, const std::string& what);
 

@@ -15,15 +15,14 @@ Session::Session(std::ostream& out_stream, std::ostream& err_stream, std::ostrea
     : out(out_stream), err(err_stream), raw(raw_stream) {
   app.require_subcommand(0, 1);  // without one, Run reports it after unexpected arguments
   app.set_version_flag("--version", "stylectl 0.1.0");
-  app.add_option(
-         "--endpoint", options.endpoint,
-         "the daemon's control socket; of two that stand in for each other both, with a comma")
+  app.add_option("--endpoint", options.endpoint,
+                 "the daemon's control socket; for a pair with a standby both, with a comma")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
   client::Declare(app, keys_);
   key_folder = KeyArguments().folder;
   app.add_option("--keys", key_folder,
-                 "of allow, revoke and keys: the daemon's folder of keys, its security.keys")
+                 "for allow, revoke and keys: the daemon's folder of keys, its security.keys")
       ->envname("STYLED_SECURITY_KEYS")
       ->capture_default_str();
   app.add_option("--timeout", timeout_s_, "seconds to wait for an answer")
@@ -94,7 +93,7 @@ int Session::Run(std::vector<std::string> arguments) {
   if (folder_given &&
       std::find(with_key_folder.begin(), with_key_folder.end(), command) == with_key_folder.end()) {
     return Usage(
-        "--keys FOLDER is of allow, revoke and keys; a client's own pair of keys is --key");
+        "--keys FOLDER is for allow, revoke and keys; a client's own pair of keys is --key");
   }
   return run_();
 }

@@ -47,13 +47,13 @@ class Session {
               const std::string& what);
   int Fail(const client::CallStatus& status);
   int Usage(const std::string& text);
-  // What is to be said of a performer that was named and has not been seen; "" for nothing.
+  // The note about a performer that was named and has not been seen; "" if there is none.
   std::string NoteUnseen();
 
   std::ostream& out;
   std::ostream& err;
   std::ostream& raw;  // a file's bytes, control of the screen; flush `out` first
-  CLI::App app{"stylectl: ask and steer a running styled daemon", "stylectl"};
+  CLI::App app{"stylectl: query and control a running styled daemon", "stylectl"};
   client::ControlOptions options;
   bool json = false;
   std::string key_folder;  // --keys

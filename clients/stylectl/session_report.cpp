@@ -59,9 +59,9 @@ std::string Session::NoteUnseen() {
   }
   // Bypass is the default of every performer: the daemon stores no settings for it.
   std::string note =
-      performer + (clears && !listed ? " has not been seen yet; what was configured ahead is "
+      performer + (clears && !listed ? " has not been seen yet; its advance settings are "
                                        "forgotten"
-                                     : " has not been seen yet and is configured ahead");
+                                     : " has not been seen yet and is configured in advance");
   if (const std::string near = Nearest(performer, names); !near.empty()) {
     note += "; did you mean " + near + "?";
   } else if (!names.empty() && names.size() <= 8) {
@@ -136,7 +136,7 @@ void Session::ExplainPerformer(Hint& hint) {
     if (entry.performer() != performer) names.push_back(entry.performer());
   }
   hint.suggestion = Nearest(performer, names);
-  hint.expected = names.empty() ? "no performer is here" : "performers: " + Join(names);
+  hint.expected = names.empty() ? "no performer is present" : "performers: " + Join(names);
 }
 
 int Session::Fail(const CallStatus& status) {
@@ -146,7 +146,7 @@ int Session::Fail(const CallStatus& status) {
     hint = Explain(status);
   } else {
     hint.expected = status.obstacle() == client::Obstacle::kNone
-                        ? "--timeout gives it longer; styled's journal says what it does"
+                        ? "--timeout waits longer; styled's journal shows what it does"
                         : client::Advice(status.obstacle(), client::Peer::kControl);
     if (MayBeElsewhere(status.obstacle())) {
       hint.expected += " Another endpoint: --endpoint or STYLED_CONTROL";

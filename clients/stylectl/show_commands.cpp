@@ -70,7 +70,7 @@ std::vector<std::string> StageRow(const std::string& endpoint, const CallStatus&
   const auto live = std::ranges::count_if(stats.performers(), &v1::PerformerStats::live);
   const v1::StandbyState& standby = stats.standby();
   std::string note;
-  if (stats.has_standby() && !standby.heard()) note = standby.peer() + " is not heard";
+  if (stats.has_standby() && !standby.heard()) note = standby.peer() + " does not answer";
   if (standby.role() == "following") note = standby.ready() ? "ready" : standby.why_not();
   return {endpoint,
           stats.has_standby() ? standby.role() : "alone",
@@ -80,7 +80,7 @@ std::vector<std::string> StageRow(const std::string& endpoint, const CallStatus&
           note};
 }
 
-// Of several daemons at once, those that do not answer among them.
+// For several daemons at once, including those that do not answer.
 int Stages(Session& session, std::vector<std::string> endpoints) {
   if (endpoints.empty()) endpoints = {session.options.endpoint};
   std::vector<std::vector<std::string>> rows{{"DAEMON", "ROLE", "TERM", "LIVE", "WEIGHTS", "NOTE"}};
@@ -116,14 +116,14 @@ void DeclareShowCommands(Session& session) {
       });
   status
       ->add_option("--watch", arguments->watch_s,
-                   "again every so many seconds (1 where none are said), until Ctrl-C")
+                   "repeat at this interval in seconds (default 1), until Ctrl-C")
       ->expected(0, 1)
       ->default_str("1")
       ->check(Number(0.1, 3600.0));
-  status->add_flag("--all", arguments->all_counters, "counters that are 0, too");
+  status->add_flag("--all", arguments->all_counters, "also show counters that are 0");
   const auto endpoints = std::make_shared<std::vector<std::string>>();
   CLI::App* stages =
-      session.AddOnline("stages", "who leads and who follows, of several daemons",
+      session.AddOnline("stages", "which of several daemons leads and which follows",
                         [&session, endpoints] { return Stages(session, *endpoints); });
   stages->add_option("ENDPOINT", *endpoints, "control addresses (default: that of --endpoint)");
 }

@@ -40,7 +40,7 @@ void DeclareSet(Session& session) {
 
 // Accepts `preset PERFORMER NAME`, the order of the other commands, and the former `preset NAME
 // PERFORMER` and `preset NAME`. The order is unambiguous: a performer's id contains a dot or is
-// '*', and a preset's name does not. Returns what is wrong, or "".
+// '*', and a preset's name does not. Returns the error, or "".
 std::string SortPresetWords(const std::array<std::string, 2>& words, std::string& performer,
                             std::string& name) {
   const auto is_performer = [](const std::string& word) {
@@ -77,18 +77,18 @@ int Preset(Session& session, const PresetArguments& arguments) {
 
 void DeclarePreset(Session& session) {
   const auto arguments = std::make_shared<PresetArguments>();
-  CLI::App* preset = session.Add("preset", "a named mix of the daemon's configuration",
+  CLI::App* preset = session.Add("preset", "a preset (named mix) of the daemon's configuration",
                                  [&session, arguments] { return Preset(session, *arguments); });
   // CLI11 fills optional arguments from the front; SortPresetWords assigns them.
-  preset->add_option("PERFORMER", arguments->words[0], "SOURCE.NAME, or '*'; left out: everyone");
-  preset->add_option("NAME", arguments->words[1], "of the preset, as shown by list");
+  preset->add_option("PERFORMER", arguments->words[0], "SOURCE.NAME, or '*' (default)");
+  preset->add_option("NAME", arguments->words[1], "name of the preset, as shown by list");
   preset->add_option("--transition", arguments->transition_ms, "fade, ms")
       ->check(Number(0.0, 60000.0));
 }
 
 void DeclareCue(Session& session) {
   session
-      .AddOnline("cue", "fire the cues of that name, of the daemon's configuration",
+      .AddOnline("cue", "fire the cues of that name in the daemon's configuration",
                  [&session] {
                    client::Applied applied;
                    return session.Changed(session.control().Cue(session.cue, &applied), applied,
@@ -121,7 +121,7 @@ void DeclareStyleCommands(Session& session) {
   session.AddPerformer(clear, false);
   DeclarePreset(session);
   DeclareCue(session);
-  DeclarePin(session, "pin", "keep the style: commands to '*' pass the performer over", true);
+  DeclarePin(session, "pin", "keep the style: commands to '*' skip the performer", true);
   DeclarePin(session, "unpin", "undo pin", false);
   session.AddOnline("panic", "everyone to bypass, pinned or not", [&session] {
     client::Applied applied;

@@ -9,7 +9,7 @@
 
 namespace styled::stylemon {
 
-// What drawing needs to know about a skeleton, found once per body from the joint names. A
+// The data of a skeleton that drawing needs, found once per body from the joint names. A
 // canonical joint that no name matches is -1; the body's joints are drawn as lines in any case.
 struct Anatomy {
   std::vector<int> parents;                  // per joint of the body

@@ -103,18 +103,17 @@ void RunPlain(Monitor& monitor, const Arguments& arguments, bool utf8, Clock::ti
 }
 
 void Declare(CLI::App& app, Arguments& arguments) {
-  app.add_option(
-         "--publisher,--endpoint", arguments.monitor.publisher,
-         "where frames come from; of two daemons that stand in for each other both, with a comma")
+  app.add_option("--publisher,--endpoint", arguments.monitor.publisher,
+                 "the publisher of the frames; for a pair with a standby both, with a comma")
       ->envname("STYLED_PUBLISHER")
       ->capture_default_str();
-  app.add_option("--control", arguments.monitor.control, "where styles are set")
+  app.add_option("--control", arguments.monitor.control, "the control socket, for setting styles")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
   styled::client::Declare(app, arguments.keys);
   app.add_option("--performer", arguments.monitor.performer, "SOURCE.NAME; default: the first");
   app.add_flag("--front", arguments.front, "begin with the front view");
-  app.add_flag("--ascii", arguments.ascii, "no braille, whatever the locale says");
+  app.add_flag("--ascii", arguments.ascii, "no braille, whatever the locale");
   app.add_flag("--plain", arguments.plain, "print pictures one below the other, no curses");
   app.add_option("--every", arguments.every_ms, "with --plain: ms between pictures")
       ->check(CLI::Range(20, 3600000))
@@ -131,7 +130,7 @@ void Declare(CLI::App& app, Arguments& arguments) {
       "Keys: q quit, Tab or arrows next performer, s side/front, space pause, 1-9 style,\n"
       "n the next nine styles, 0 bypass, +/- strength. Left limbs are cyan, right ones yellow; "
       "green: foot planted.\n"
-      "Exit codes: 0, 2 usage, 3 with --seconds when no styled frame came.");
+      "Exit codes: 0, 2 usage, 3 with --seconds when no styled frame arrived.");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class Meter {
   static constexpr std::size_t kSamples = 4096;  // 5 s at 800 Hz
   std::int64_t window_ns_;
   std::vector<Sample> ring_ = std::vector<Sample>(kSamples);
-  std::size_t count_ = 0;  // total, since construction
+  std::size_t count_ = 0;  // total since construction
   std::uint64_t dropped_ = 0;
 };
 

@@ -78,8 +78,8 @@ struct Monitor::Impl {
   std::uint64_t styled_frames = 0;
 
   void Select(const std::string& performer);
-  void Take(Update& update);
-  void TakeFrame(Update& update);
+  void Apply(Update& update);
+  void ApplyFrame(Update& update);
   void Follow(const Figure& figure);
   std::shared_ptr<const Anatomy> AnatomyOf(const std::shared_ptr<const v1::Body>& body);
   void RefreshLink();
@@ -154,21 +154,21 @@ std::shared_ptr<const Anatomy> Monitor::Impl::AnatomyOf(
   return entry->second;
 }
 
-void Monitor::Impl::Take(Update& update) {
+void Monitor::Impl::Apply(Update& update) {
   switch (update.kind) {
     case Update::Kind::kStatistics:
       stats.Swap(&update.statistics);
       stats_at = Clock::now();
       break;
     case Update::Kind::kFrame:
-      TakeFrame(update);
+      ApplyFrame(update);
       break;
     case Update::Kind::kBody:
       break;  // the subscriber keeps bodies
   }
 }
 
-void Monitor::Impl::TakeFrame(Update& update) {
+void Monitor::Impl::ApplyFrame(Update& update) {
   const auto now = Clock::now();
   const v1::Frame& frame = update.frame;
   const bool styled = update.stream == client::Stream::kStyledRig;
@@ -189,8 +189,8 @@ void Monitor::Impl::TakeFrame(Update& update) {
   if (!styled) Follow(figure);
 }
 
-// The view follows the input figure, for both pictures: otherwise a style that leans would not be
-// seen to lean.
+// The view follows the input figure, for both pictures: otherwise a style that leans would not
+// appear to lean.
 void Monitor::Impl::Follow(const Figure& figure) {
   float yaw = 0;
   if (Facing(*figure.anatomy, figure.joints, yaw)) {
@@ -250,7 +250,7 @@ void Monitor::Impl::RefreshPerformers() {
     for (const auto& entry : stats.performers()) {
       view.performers.push_back({entry.performer(), entry.live(), SetText(entry)});
     }
-  } else {  // without statistics, or with the daemon down: the performers heard of
+  } else {  // without statistics, or with the daemon down: the performers seen so far
     for (const std::string& name : directory->performers()) {
       view.performers.push_back({name, connected, ""});
     }
@@ -284,11 +284,11 @@ void Monitor::Listen(milliseconds duration) {
   Impl& impl = *impl_;
   const auto end = Clock::now() + duration;
   do {
-    while (impl.directory->Receive(milliseconds(0), impl.update)) impl.Take(impl.update);
+    while (impl.directory->Receive(milliseconds(0), impl.update)) impl.Apply(impl.update);
     const auto left = std::chrono::ceil<milliseconds>(end - Clock::now());
     const milliseconds wait = std::clamp(left, milliseconds(0), milliseconds(50));
     client::Subscriber& source = impl.frames ? *impl.frames : *impl.directory;
-    if (source.Receive(wait, impl.update)) impl.Take(impl.update);
+    if (source.Receive(wait, impl.update)) impl.Apply(impl.update);
   } while (Clock::now() < end);
 }
 

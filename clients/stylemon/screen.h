@@ -38,7 +38,7 @@ struct View {
   std::string publisher, control;
   Link link = Link::kNever;
   double link_s = 0;     // since the last change of `link`
-  std::string obstacle;  // why there is no connection, and what to do; "" = unknown
+  std::string obstacle;  // why there is no connection, and the remedy; "" = unknown
   std::vector<PerformerLine> performers;
   int selected = -1;  // index into performers
   Figure input, styled;
@@ -63,7 +63,7 @@ void DrawScreen(const View& view, Canvas& canvas);
 void DrawFigures(const View& view, int column, int row, int columns, int rows, Canvas& canvas);
 
 // One line: performer, rate, latencies, drops, flags, style in force, contacts. Without a stream:
-// what is missing and what to do.
+// the cause and the remedy.
 std::string StatusLine(const View& view);
 
 // The reason why the picture does not move, with what to check; "" if there is none.

@@ -120,7 +120,7 @@ std::string ControlSocket::TooLarge(std::size_t bytes, bool has_file) {
   return "request of " + std::to_string(bytes) + " bytes, expected at most " + std::to_string(most);
 }
 
-// Judged at each request: a client that was revoked, or lost the operator's role, may still be
+// Checked at each request: a client that was revoked, or lost the operator's role, may still be
 // connected.
 std::string ControlSocket::Unauthorized() {
   if (access_ == nullptr) return "";

@@ -18,7 +18,7 @@
 namespace styled::control {
 
 inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
-// Of a request that has a clip, a style or a checkpoint.
+// The limit of a request that has a clip, a style or a checkpoint.
 inline constexpr std::size_t kMaxFileRequestBytes = 8 * 1024 * 1024;
 
 // The control socket, on its own thread. It parses requests, passes them to the pipeline between
@@ -26,7 +26,7 @@ inline constexpr std::size_t kMaxFileRequestBytes = 8 * 1024 * 1024;
 // answered here. It never waits for the pipeline.
 class ControlSocket {
  public:
-  // `osc` may be null (no OSC), `access` too (no keys required).
+  // `osc` may be null (no OSC), and so may `access` (no keys required).
   ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc, security::Access* access,
                 pipeline::Mailboxes& mailboxes, runtime::Counters& counters);
   ~ControlSocket();
@@ -67,7 +67,7 @@ class ControlSocket {
   std::atomic<bool> stop_{false};
 };
 
-// `keeper` admits only operators with a key; null admits everybody who can reach the address.
+// `keeper` admits only operators with a key; null admits every client that can reach the address.
 Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
     void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
     pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint,

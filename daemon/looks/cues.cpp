@@ -10,7 +10,7 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::int64_t kSecond = 1000;  // one second in a label; more frames than any rate has
+constexpr std::int64_t kSecond = 1000;  // one second in a label, above any frame rate
 constexpr std::int64_t kWinding = 2 * kSecond;
 
 // The change that a cue makes, checked as for a performer without settings of its own.
@@ -102,7 +102,7 @@ Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& p
                     static_cast<int>(cue.look.mix_size() > 0) + static_cast<int>(cue.look.clear());
   if (mixes > 1) return refuse("expected one of style, preset, mix and clear");
   if (cue.panic == changes) {
-    return refuse("expected what to do: panic alone, or style, preset, mix, clear, strength, ...");
+    return refuse("expected an action: panic alone, or style, preset, mix, clear, strength, ...");
   }
   if (cue.panic) {
     made.request.mutable_panic();

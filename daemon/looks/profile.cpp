@@ -32,8 +32,8 @@ bool ProperName(const net::Styles& styles, std::string& style, std::string& why)
   return false;
 }
 
-// The style itself, or the one of its name that has variations; -1 if none has. Neutral is what
-// others are added to.
+// The style itself, or the style of the same name that has variations; -1 if there is none. Neutral
+// is the base of every mix and needs none.
 int VariedStyle(const net::Styles& styles, int style) {
   return style == 0 ? 0 : net::VaryingStyle(styles, style);
 }
@@ -46,14 +46,15 @@ int VariationOf(const v1::Look& look, std::string_view performer) {
   return (given + own) % net::kVariations + 1;
 }
 
-// The mix of a Settings in the making: what was asked for, and what is shown instead.
+// The mix of a Settings that is being built: the requested styles, and the styles shown instead.
 class Mix {
  public:
   explicit Mix(stylist::Settings& settings) : mix_(settings.mix) {}
 
   void Add(int asked, int shown, float weight) {
     for (std::size_t i = 0; i < used_; ++i) {
-      // The same style by two names is one; asked for twice, it is an error (Validate).
+      // Different requested styles that are shown as the same one are added up. A style requested
+      // twice is an error (Validate).
       if (mix_[i].style != shown || asked_[i] == asked) continue;
       mix_[i].weight += weight;
       return;
@@ -76,7 +77,7 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
   stylist::Settings settings;
   settings.strength = look.strength();
   settings.transition_s = look.transition_ms() * 1e-3F;
-  // The longest one is not longer by a rounding.
+  // Rounding must not make the longest one longer.
   if (look.transition_ms() == 1000 * net::kMaxTransition_s) {
     settings.transition_s = net::kMaxTransition_s;
   }
@@ -100,14 +101,14 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
       unknown.push_back(entry.style());
       continue;
     }
-    const int varied = AsksForVariations(look) ? VariedStyle(styles, index) : index;
+    const int varied = RequestsVariations(look) ? VariedStyle(styles, index) : index;
     mix.Add(index, varied < 0 ? index : varied, entry.weight());
   }
   return settings;
 }
 
 std::string WithoutVariations(const v1::Look& look, const net::Styles& styles) {
-  if (!AsksForVariations(look)) return "";
+  if (!RequestsVariations(look)) return "";
   for (const auto& entry : look.mix()) {
     const int index = net::FindStyle(styles, entry.style());
     if (index < 0 || VariedStyle(styles, index) >= 0) continue;
@@ -186,7 +187,7 @@ std::string Explain(stylist::SettingsError error) {
     case SettingsError::kUnknownStyle:
       return "unknown style";
     case SettingsError::kNeutralStyle:
-      return "neutral is no target style unless input_style names the style to remove; use clear";
+      return "neutral is a target style only if input_style names the style to remove; use clear";
     case SettingsError::kDuplicateStyle:
       return "a style is named twice";
     case SettingsError::kWeight:

@@ -7,13 +7,13 @@
 
 namespace styled::pipeline {
 
-// Why a request is not done, as its reply says it; CODE_OK: it is done.
+// Why a request was refused, as in its reply. CODE_OK: it was accepted.
 struct [[nodiscard]] Refusal {
   v1::Code code = v1::CODE_OK;
   std::string reason;
 
   bool ok() const { return code == v1::CODE_OK; }
-  // Returns ok(). Else fills the reply; `command` begins the reason.
+  // Returns ok(). Otherwise fills the reply; `command` begins the reason.
   bool Accept(const std::string& command, v1::Reply& reply) const {
     if (ok()) return true;
     reply.set_code(code);

@@ -61,7 +61,7 @@ class Pipeline final : public Worker, public source::Receiver {
     on_.log.OnArrival(arrival);
   }
   void OnNote(int source, const std::string& text) override;
-  void OnNews(int source, const std::string& text) override;
+  void OnNotice(int source, const std::string& text) override;
 
  private:
   int DoSources();

@@ -19,7 +19,8 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
   frame_.set_body_hash(body.hash());
   frame_.mutable_root_position()->Resize(3, 0);
   frame_.mutable_rotations()->Resize(4 * body.names_size(), 0);
-  // Fill the variable fields to their largest size once: protobuf keeps cleared elements for reuse.
+  // Fills the variable fields to their largest size once, because protobuf keeps cleared elements
+  // for reuse.
   frame_.mutable_held_joints()->Resize(rig_joints, 1U << 14U);
   for (int i = 0; i < net::kMaxActive; ++i) {
     auto* const style = frame_.add_styles();

@@ -27,7 +27,8 @@ class FrameMessage {
   FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
                int rig_joints, const net::Styles& styles);
 
-  // Other styles from now on: those before, and added ones of at most net::kMaxStyleName bytes.
+  // Replaces the styles: the former ones, and added ones with names of at most net::kMaxStyleName
+  // bytes.
   void UseStyles(const net::Styles& styles) noexcept { styles_ = &styles; }
 
   // What is the same on all topics of a pose, and the topic's flags.
@@ -44,7 +45,7 @@ class FrameMessage {
 
  private:
   v1::Frame frame_;
-  std::unique_ptr<v1::Timecode> spare_timecode_;  // in the frame while the rig sends one
+  std::unique_ptr<v1::Timecode> spare_timecode_;  // set while the rig sends one
   const net::Styles* styles_;
   std::vector<std::byte> buffer_;
 };

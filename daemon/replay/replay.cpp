@@ -174,7 +174,7 @@ class Recorded final : public source::Transport {
       return decoder_.HandOn({&bytes, 1}, {&machine, 1}, receiver);
     }
     outbox_.Open(receiver, -1);
-    translator_->Take(bytes, peer, clock_.Now_ns(), outbox_);
+    translator_->Handle(bytes, peer, clock_.Now_ns(), outbox_);
     outbox_.Close();
   }
 

@@ -45,7 +45,7 @@ PerformerStream::PerformerStream(std::string performer)
     : performer_(std::move(performer)), session_(RandomId() | 1U) {}
 
 void PerformerStream::Restart() noexcept {
-  session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0
+  session_ += 2;  // of the same sender (WIRE.md); stays odd: never 0
   sequence_ = 0;
   next_body_ns_ = 0;
 }

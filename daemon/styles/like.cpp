@@ -48,7 +48,7 @@ Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::
   return Bound(std::move(clip), bound, name, limits.work);
 }
 
-// What a clip is that is neither; "" unknown.
+// Names the format of a clip that is neither; "" if unknown.
 std::string_view OtherFormat(std::string_view bytes) {
   if (bytes.starts_with("Kaydara FBX")) return "FBX";
   if (bytes.starts_with("{")) return "glTF as text";
@@ -121,14 +121,14 @@ Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
       names += " " + styles[static_cast<std::size_t>(own)].name;
     }
     return {v1::CODE_UNKNOWN_STYLE, "vary: \"" + Printable(vary.style(), 80) +
-                                        "\" is no style of the weights; these are" + names};
+                                        "\" is not a style of the weights; these are" + names};
   }
   request.amount = vary.has_amount() ? vary.amount() : 1;
   if (!(request.amount >= 0 && request.amount <= net::kMaxStrength)) {
     return {v1::CODE_OUT_OF_RANGE, "vary: amount: found " + NumberText(request.amount) +
                                        ", expected 0 to " + NumberText(net::kMaxStrength)};
   }
-  // The same style of the network that has variations; every network has neutral.
+  // The style of the same name in the network that has variations; every network has neutral.
   const int varying = style == 0 ? 0 : net::VaryingStyle(styles, style);
   if (varying < 0) {
     return {v1::CODE_NO_EXAMPLES, "vary: \"" + styles[static_cast<std::size_t>(style)].name +
@@ -138,7 +138,7 @@ Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
   return {};
 }
 
-// The code, and what it is made of: poses for `example`, seconds in `style`.
+// Finds the code and its source: writes the poses to `example`, the length to `style`.
 Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
                  std::span<const body::Pose> take, const WorkLimit& work, MadeStyle& style,
                  std::vector<body::Pose>& example) {
@@ -166,7 +166,7 @@ Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
   return CheckCode(space, style.code, "the difference to neutral_code");
 }
 
-// The style's code and distance as it would be.
+// Computes the code and the distance that the style would have.
 void Measure(const RuntimeConfig& running, MadeStyle& style) {
   const net::StyleSpace& space = *running.network->space();
   style.code = space.Limited(style.code);
@@ -177,12 +177,12 @@ void Measure(const RuntimeConfig& running, MadeStyle& style) {
 
 }  // namespace
 
-void Say(const MadeStyle& style, v1::LikeReply& said) {
-  said.set_name(style.name);
-  said.set_nearest(style.nearest);
-  said.set_distance(style.distance);
-  said.set_seconds(style.seconds);
-  *said.mutable_code() = {style.code.begin(), style.code.end()};
+void Describe(const MadeStyle& style, v1::LikeReply& reply) {
+  reply.set_name(style.name);
+  reply.set_nearest(style.nearest);
+  reply.set_distance(style.distance);
+  reply.set_seconds(style.seconds);
+  *reply.mutable_code() = {style.code.begin(), style.code.end()};
 }
 
 bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
@@ -207,11 +207,11 @@ std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& 
   std::shared_ptr<RuntimeConfig> made;
   if (like.measure()) {
     Measure(running, style);
-    Say(style, *reply.mutable_like());
+    Describe(style, *reply.mutable_like());
   } else {
     made = std::make_shared<RuntimeConfig>(running);
     if (!PutStyle(std::move(style), *made).Accept("like", reply)) return nullptr;
-    Say(*made->made.at(like.name()), *reply.mutable_like());
+    Describe(*made->made.at(like.name()), *reply.mutable_like());
   }
   like.clear_clip();
   like.clear_learn_s();

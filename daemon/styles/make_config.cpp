@@ -34,10 +34,11 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   if (LookUp(config.style.initial, config.presets, styles, look, why)) {
     return Status::Ok();
   }
-  return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
+  return Status::Error("style.initial: \"" + config.style.initial + "\" is not a preset, and " +
+                       why);
 }
 
-// Returns the running output if nothing about it changed, so that performers need not restart.
+// Returns the running output if it is unchanged, so that performers need not restart.
 std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const RetargetOutput> fresh,
                                                     const RuntimeConfig* running) {
   if (running == nullptr) return fresh;

@@ -20,7 +20,7 @@ constexpr const char* kShippedExamples = "graph";
 
 bool Rounds(const config::Model& model) { return model.precision != config::Model().precision; }
 
-// What is added to the name of a file whose weights are rounded; "": they are not.
+// The suffix of the file name when the weights are rounded; "" when they are not.
 std::string RoundedTo(const config::Model& model, std::span<const std::byte> bytes) {
   return Rounds(model) && net::CanBeRounded(bytes) ? " in " + model.precision : "";
 }
@@ -33,7 +33,7 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
   if (!main.ok()) return main.status();
   files.push_back(main.value());
   if (model.examples == kNone) return files;
-  // Beside other weights only by name: theirs may be another licence.
+  // Other weights are copied only by name, because their licence may differ.
   if (model.examples.empty() && !net::IsShippedDefault(main.value())) return files;
   const auto examples =
       net::FindWeights(model.examples.empty() ? kShippedExamples : model.examples);
@@ -101,7 +101,7 @@ Result<Networks> ReadNetworks(const config::Model& model,
                          "\" rounds weights of the family " + net::RoundedFamilyNames() +
                          " alone, and " + networks.names + " has none of it");
   }
-  // As several.h: the first that has a space.
+  // As in several.h: the first network that has a style encoder.
   const bool first = named.front().network->space() != nullptr;
   networks.examples_hash = HashText(first ? tensors.front() : tensors.back());
   auto network = net::Combine(std::move(named));

@@ -16,8 +16,8 @@ namespace styled::pipeline {
 namespace {
 
 constexpr double kRate_hz = 60;   // of the walk
-constexpr double kShown_hz = 15;  // of the preview, about
-constexpr double kSettle_s = 3;   // until walk and style are steady
+constexpr double kShown_hz = 15;  // length of the preview, approximately
+constexpr double kSettle_s = 3;   // time until walk and style are steady
 constexpr double kEnd_s = 8;
 constexpr int kStrides = 2;
 constexpr int kFade = 4;  // frames of the preview
@@ -26,12 +26,12 @@ using Positions = std::array<body::Vec3, body::kJointCount>;
 
 struct Walk {
   std::vector<Positions> frames;   // world, m
-  std::vector<std::size_t> lands;  // frames in which the left foot lands, after kSettle_s
+  std::vector<std::size_t> lands;  // frames in which the left foot touches down, after kSettle_s
 };
 
 Walk MakeWalk(const RuntimeConfig& config, int style) {
   const rig::Skeleton skeleton = synthetic::MakeSkeleton({});
-  auto bound = rig::BindDialect(skeleton, "canonical");  // fits always
+  auto bound = rig::BindDialect(skeleton, "canonical");  // always fits
   stylist::Stylist stylist(config.network,
                            std::make_shared<const rig::Binding>(std::move(bound.value())),
                            config.stylist);
@@ -65,7 +65,7 @@ Walk MakeWalk(const RuntimeConfig& config, int style) {
   return walk;
 }
 
-// The strides on the spot, facing +Z; some frames of the next one behind them.
+// The strides in place, facing +Z, followed by some frames of the next stride.
 std::vector<Positions> OnTheSpot(const Walk& walk, std::size_t begin, double frames, int count) {
   const auto at = [&](double frame) {
     const auto low = std::min(static_cast<std::size_t>(frame), walk.frames.size() - 2);
@@ -136,7 +136,7 @@ void Previews::Make(const RuntimeConfig& config, const std::string& style, v1::R
     *reply.mutable_preview() = known->second.preview;
     return;
   }
-  std::erase_if(kept_, [&config](const auto& kept) {  // of other weights, of styles that are gone
+  std::erase_if(kept_, [&config](const auto& kept) {  // of former weights, or of removed styles
     const auto& [of, what] = kept;
     return what.weights_crc != config.weights_crc ||
            (what.style != nullptr && !config.made.contains(of));

@@ -29,8 +29,8 @@ bool Names(const v1::Look& look, const net::Styles& styles, int number) {
                      [&is](const v1::StyleWeight& entry) { return is(entry.style()); });
 }
 
-// Words that stand for something else where a style is named, or beside it: all styles or
-// performers, the state without a style, commands of stylectl and of OSC.
+// Reserved words, which have another meaning where a style can be named: all styles or performers,
+// the state without a style, commands of stylectl and of OSC.
 constexpr std::array<std::string_view, 15> kReserved{"all",   "bypass", "clear", "cue",   "each",
                                                      "error", "learn",  "like",  "none",  "panic",
                                                      "pin",   "preset", "reset", "unpin", "vary"};
@@ -43,8 +43,8 @@ bool IsReserved(std::string_view name) {
   });
 }
 
-// Refuses a style that the configuration file names: the daemon would not start with the file
-// again.
+// Refuses a style that the configuration file names: the daemon could not start again with that
+// file.
 Refusal CheckUnnamed(const RuntimeConfig& config, int number, const std::string& name) {
   const net::Styles& styles = config.network->model().styles;
   std::string where;
@@ -97,12 +97,12 @@ Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& p
   const std::size_t others = config.made.size() - (place.replaced < 0 ? 0 : 1);
   if (others >= static_cast<std::size_t>(net::kMaxAdded)) {
     return {v1::CODE_BUSY, "there are " + std::to_string(net::kMaxAdded) +
-                               " made styles already, the most that there can be"};
+                               " made styles already, which is the maximum"};
   }
   const int count = static_cast<int>(styles.size());
   place.number = count;
   if (count < own + net::kMaxAdded + kSpare) return {};
-  // The retired one that was placed longest ago: it has faded out.
+  // The place retired longest ago: its style has faded out.
   place.number = std::max(config.last_place, own);
   do {
     place.number = place.number + 1 < count ? place.number + 1 : own;
@@ -133,7 +133,7 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
     reason += " and " + std::to_string(config.made.size() - kListedMade) + " more";
   }
   return {v1::CODE_UNKNOWN_STYLE,
-          config.made.empty() ? reason.substr(0, reason.find(';')) + "; none was made" : reason};
+          config.made.empty() ? reason.substr(0, reason.find(';')) + "; there are none" : reason};
 }
 
 Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
@@ -142,9 +142,9 @@ Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
     return Malformed(what + ": found " + std::to_string(code.size()) +
                      " numbers, expected as many as these weights' codes have, " +
                      std::to_string(space.MakeCode({.sources = {{.style = 0}}}).size()) +
-                     " or, of an example, more");
+                     " or more for an example");
   }
-  // The distance of a code of huge numbers overflows, and it could not be limited.
+  // A code of huge numbers makes the distance overflow, so that it could not be limited.
   const bool usable =
       std::all_of(code.begin(), code.end(), [](float x) { return std::isfinite(x); }) &&
       std::isfinite(space.Nearest(code).distance);
@@ -227,7 +227,7 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
       const auto fading = places.fading.find(i);
       const bool fades = fading != places.fading.end();
       if (fades) still[number] = fading->second;
-      // Where nobody moves in it any more, any code will do.
+      // A place in which no performer fades any more accepts any code.
       network = network->With(
           number, {.name = name},
           fades ? fading->second->code : space->MakeCode({.sources = {{.style = 0}}}));
@@ -250,11 +250,11 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
 
 Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config) {
   const int number = net::FindStyle(config.network->model().styles, style.name);
-  if (to == style.name) return Malformed("name \"" + to + "\": is its name already");
+  if (to == style.name) return Malformed("name \"" + to + "\": is already its name");
   if (auto refusal = CheckNewName(to); !refusal.ok()) return refusal;
   Place place;
   if (auto refusal = FindPlace(config, to, place);
-      !refusal.ok() && refusal.code != v1::CODE_BUSY) {  // no room is needed
+      !refusal.ok() && refusal.code != v1::CODE_BUSY) {  // no free place is needed
     return refusal;
   }
   if (place.replaced >= 0 && place.replaced != number) {

@@ -14,11 +14,11 @@
 namespace styled::pipeline {
 namespace {
 
-// What reading an example may take. The longest that is accepted, 7 MB of BVH, took 0.3 s beside
-// four builds; one that takes longer keeps the requests behind it waiting.
+// The time limit for reading an example. The longest accepted one, 7 MB of BVH, took 0.3 s beside
+// four builds. A longer one would delay the requests behind it.
 constexpr std::chrono::milliseconds kLongestRead(2000);
 
-// The most bytes of the example that is kept of a clip; of a take, all of it.
+// The most bytes that are stored of a clip's example. A take is stored completely.
 std::size_t MostKept(const v1::Like& like) {
   constexpr std::size_t kAllowance = std::size_t{64} << 10U;
   return like.clip().empty() ? std::numeric_limits<std::size_t>::max()
@@ -55,7 +55,7 @@ bool IsStyleRequest(const v1::Request& request) {
 
 std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& running,
                                                        Exchange& exchange) {
-  said_.clear();
+  log_line_.clear();
   error_.clear();
   exchange.reply.set_id(exchange.request.id());
   if (exchange.places) return Arrange(running, exchange);
@@ -97,8 +97,8 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& ru
   const auto made = AddStyle(running, like, exchange.take, exchange.reply, &example, limit);
   if (made == nullptr) return nullptr;
   const v1::LikeReply& reply = exchange.reply.like();
-  said_ = "style " + reply.name() + " made of an example; nearest to " + reply.nearest() + ", at " +
-          NumberText(reply.distance(), 2) + " of the distance of styles";
+  log_line_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
+              ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
   if (made->style.library.empty()) return made;
   const std::string text =
       ExampleText(example, static_cast<double>(made->network->model().rate_hz), most_bytes);
@@ -142,8 +142,8 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Import(const RuntimeConfig& 
     (void)NotKept(kept).Accept(kCommand, reply);
     return nullptr;
   }
-  Say(*made->made.at(name), *reply.mutable_like());
-  said_ = "style " + name + " imported";
+  Describe(*made->made.at(name), *reply.mutable_like());
+  log_line_ = "style " + name + " imported";
   return made;
 }
 
@@ -162,8 +162,8 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Rename(const RuntimeConfig& 
     (void)NotKept(kept).Accept(kCommand, reply);
     return nullptr;
   }
-  wanted.set_name(style->name);  // as looks have it
-  said_ = "style " + style->name + " is called " + wanted.to() + " now";
+  wanted.set_name(style->name);  // spelled as in looks
+  log_line_ = "style " + style->name + " is called " + wanted.to() + " now";
   return made;
 }
 
@@ -183,7 +183,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Remove(const RuntimeConfig& 
     return nullptr;
   }
   wanted.set_name(style->name);
-  said_ = "style " + style->name + " removed";
+  log_line_ = "style " + style->name + " removed";
   return made;
 }
 

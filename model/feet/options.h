@@ -6,7 +6,7 @@ namespace styled::feet {
 
 // Settings of the feet stage, the same for all performers. Lengths are canonical metres (a source
 // skeleton is scaled by its hips height), times seconds. The defaults are those of styled.toml;
-// model/feet/tuning.h tells where they come from.
+// model/feet/tuning.h has their sources.
 struct Options {
   // A heel or toe is in contact while it is low (height above its planted height, 0 .. 1) and slow
   // (speed over the ground, 0 .. 20). Between the two bounds of each pair the weight falls smoothly
@@ -19,9 +19,9 @@ struct Options {
   float reach_m = tuning::kReach_m;
   // Time constant of the return to the styled foot; 0.001 .. 10.
   float return_s = tuning::kReturn_s;
-  // A step is set down so far off its styled place that it is as far off on the other side at its
-  // end. `centre_s`: the time constant of the gait's mean that this needs, 0.01 .. 60. `centre`:
-  // the share of it, 0 (lands as styled) .. 1.
+  // A step lands at an offset from its styled place such that it ends with the opposite offset.
+  // `centre_s`: the time constant of the gait's mean that this needs, 0.01 .. 60. `centre`: the
+  // share of the offset, 0 (lands as styled) .. 1.
   float centre_s = tuning::kCentre_s;
   float centre = tuning::kCentre;
   // The hips come down if a leg must reach farther than this share of its length; 0.5 .. 1.

@@ -10,7 +10,7 @@ class StGcnCausalFlags : public FamilyFlags {
   explicit StGcnCausalFlags(CLI::App& app) { AddFlags(app, st_gcn_causal::FlagsOf(config_)); }
 
   Status Resolve(const CLI::App& app) override {
-    // Neither an export nor a measurement of speeds learns from anything.
+    // Neither an export nor a measurement of speeds trains anything.
     const bool trains = app.get_option("--out")->count() > 0;
     return trains ? st_gcn_causal::Check(config_) : Status::Ok();
   }
@@ -19,7 +19,7 @@ class StGcnCausalFlags : public FamilyFlags {
     return st_gcn_causal::MakeRecipe(run, config_);
   }
 
-  Needs WhatIsNeeded() const override {
+  Needs RequiredInputs() const override {
     Needs needs = NeedsOfGraphs();
     if (!config_.init.empty()) needs.files.emplace_back("--init", config_.init);
     return needs;

@@ -24,7 +24,7 @@ CLI::App* AddAddStyle(CLI::App& app, style_erd::Config& config) {
                   "The new style, as the manifest names it; repeatable")
       ->required();
   add->add_flag("--replace", config.replace,
-                "NAME may be a style of WEIGHTS: it is learned anew, from where it is");
+                "NAME may be a style of WEIGHTS: its training continues");
   return add;
 }
 
@@ -62,11 +62,11 @@ class StyleErdFlags : public FamilyFlags {
     return style_erd::MakeRecipe(run, config_);
   }
 
-  Needs WhatIsNeeded() const override {
+  Needs RequiredInputs() const override {
     Needs needs;
     needs.rate_hz = config_.rate_hz;
     needs.train_frames = needs.window_frames = config_.window + 1;
-    // Only a critic compares windows of a content.
+    // Only a critic compares windows of one content.
     needs.paired = config_.w_adversarial > 0;
     if (!config_.init.empty()) needs.files.emplace_back("--init", config_.init);
     for (const std::string& text : config_.teachers) {

@@ -12,19 +12,19 @@ class StGcnFlags : public FamilyFlags {
     // A callback at once: flags after this one on the command line change its settings.
     app.add_flag_callback(
            "--as-in-the-paper", [this] { st_gcn::AsInThePaper(config_); },
-           "Settings of Park et al. 2021 and their code; other flags still count")
+           "Settings of Park et al. 2021 and their code; other flags still apply")
         ->trigger_on_parse();
     AddFlags(app, st_gcn::FlagsOf(config_));
   }
 
-  // Before judges are trained in vain.
+  // Before judges are trained for nothing.
   Status Resolve(const CLI::App&) override { return st_gcn::Check(config_); }
 
   Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const override {
     return st_gcn::MakeRecipe(run, config_);
   }
 
-  Needs WhatIsNeeded() const override { return NeedsOfGraphs(); }
+  Needs RequiredInputs() const override { return NeedsOfGraphs(); }
 
  private:
   st_gcn::Config config_;

@@ -23,9 +23,9 @@ class FamilyFlags {
   // checks which flags exclude each other. Errors name the flag.
   virtual Status Resolve(const CLI::App& app) = 0;
   virtual Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const = 0;
-  // What the flags ask of clips and files; `judges` is left for the caller to set.
-  virtual Needs WhatIsNeeded() const = 0;
-  // For a run of which nothing is kept: a shorter start before the first iteration.
+  // The recipe's requirements for clips and files; the caller sets `judges`.
+  virtual Needs RequiredInputs() const = 0;
+  // For a run whose results are discarded: a shorter start before the first iteration.
   virtual void ShortenStart() {}
 };
 

@@ -68,8 +68,8 @@ class BlockBuilder {
   std::uint32_t records() const { return records_; }
   std::size_t raw_size() const { return raw_.size(); }
 
-  // Encodes what was added as one block, valid until the next call of any function here. Afterwards
-  // the builder is empty, and its next block has the next number.
+  // Encodes the added messages as one block, valid until the next call of any function here.
+  // Afterwards the builder is empty, and its next block has the next number.
   std::span<const std::byte> Close();
   // Encodes the file's first block, number 0. Call it before anything else. A header larger than
   // kMaxRecordSize loses its configuration text.

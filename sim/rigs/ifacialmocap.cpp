@@ -37,7 +37,7 @@ class IFacialMocap final : public Rig {
   }
   std::string default_address() const override { return "udp://127.0.0.1:49983"; }
   bool is_server() const override { return true; }
-  // One start text is enough for good, and the newest one wins.
+  // A single start text is enough, and the newest one wins.
   player::Audience audience() const override { return player::Audience::kNewest; }
 
  private:

@@ -124,7 +124,7 @@ std::string LargeBvh(std::size_t bytes) {
   const std::size_t first = short_walk.find('\n', short_walk.find("Frame Time:")) + 1;
   const std::string frame = short_walk.substr(first, short_walk.find('\n', first) + 1 - first);
   const std::size_t frames = (bytes - first) / frame.size();
-  // At most a minute is an example: the rate is what makes so many frames one.
+  // At most a minute is an example: the rate determines the number of its frames.
   return short_walk.substr(0, motion) + "Frames: " + std::to_string(frames) +
          "\nFrame Time: " + std::to_string(30.0 / static_cast<double>(frames)) + "\n" +
          Times(frames, frame);

@@ -127,7 +127,7 @@ void Styling::Describe(v1::PerformerStats& stats) const {
   moved.set_elbows(100 * moved_m[2]);
   moved.set_knees(100 * moved_m[3]);
   moved.set_feet(100 * moved_m[4]);
-  stats.set_hardly_styled(stylist::AsksForMuch(settings_) && stylist::IsUnseen(moved_m));
+  stats.set_hardly_styled(stylist::RequestsVisibleStyle(settings_) && stylist::IsUnseen(moved_m));
 }
 
 void Styling::CountFlags(std::uint32_t flags) noexcept {

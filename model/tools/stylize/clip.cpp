@@ -26,7 +26,7 @@ Result<Example> ParseExample(const std::string& text) {
   return Example{text.substr(0, equals), weight.value(), {}};
 }
 
-// How many poses of the network's rate a clip has.
+// The number of poses of a clip at the network's rate.
 std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
   const double duration_s = static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
   return static_cast<std::size_t>(duration_s * static_cast<double>(rate_hz) + 1e-6) + 1;
@@ -50,9 +50,9 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
   return example;
 }
 
-// Says how near an example is to what the network was trained on.
-void SayNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
-  constexpr float kFar = 1;  // as far as styles are from each other
+// Reports how near an example is to the training data.
+void PrintNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
+  constexpr float kFar = 1;  // the mean distance between styles
   net::StyleRequest alone;
   alone.sources.push_back({-1, {}, example.poses, 1});
   const net::NearestStyle nearest = space.Nearest(space.MakeCode(alone));
@@ -62,7 +62,7 @@ void SayNearest(const Example& example, const net::Styles& styles, const net::St
                nearest.distance > kFar ? ": unlike all styles that these weights know" : "");
 }
 
-// What the style is made of, with the weight that was given, if any.
+// The recipe of the style, with the given weight, if any.
 struct Ingredient {
   net::StyleSource source;
   std::optional<float> weight;
@@ -94,7 +94,7 @@ Status AddNamed(const Arguments& arguments, const net::Styles& styles,
   return Status::Ok();
 }
 
-// Ingredients without a weight share equally what the others leave of 1.
+// Ingredients without a weight share the rest of 1 equally.
 Status ShareRest(const Arguments& arguments, std::vector<Ingredient>& ingredients) {
   float rest = 1;
   int without = 0;
@@ -105,14 +105,14 @@ Status ShareRest(const Arguments& arguments, std::vector<Ingredient>& ingredient
   if (without > 0 && rest <= 0) {
     return Status::Error(WeightsText(arguments) + ": the weights given sum to " +
                          NumberText(1 - rest, 3) +
-                         ", expected less than 1: the others share what is left of 1");
+                         ", expected less than 1: the others share the rest");
   }
   const float share = rest / static_cast<float>(std::max(1, without));
   for (Ingredient& one : ingredients) one.source.weight = one.weight.value_or(share);
   return Status::Ok();
 }
 
-// The weight that all sources together have.
+// The total weight of all sources.
 Result<float> CheckWeights(const Arguments& arguments, std::span<const net::StyleSource> sources) {
   const float strength = arguments.strength;
   if (!(strength >= 0 && strength <= net::kMaxStrength)) {
@@ -160,7 +160,7 @@ Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& mode
 
 void PrintNearest(const Examples& examples, const net::Styles& styles,
                   const net::StyleSpace& space) {
-  for (const Example& example : examples) SayNearest(example, styles, space);
+  for (const Example& example : examples) PrintNearest(example, styles, space);
 }
 
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,
@@ -168,7 +168,7 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Exam
   const net::Styles& styles = network.model().styles;
   if (arguments.root != "follow") {
     return Status::Error(
-        "--root stride: weights that need whole clips leave the body where the performer is; "
+        "--root stride: weights that need whole clips leave the body at the performer's place; "
         "expected weights that run live");
   }
   if (arguments.cadence) {
@@ -209,7 +209,7 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
   const Status shared = ShareRest(arguments, ingredients);
   if (!shared.ok()) return shared;
   for (const Ingredient& one : ingredients) {
-    // Neutral asks for nothing, unless the performer's own style is to go.
+    // Neutral requests nothing, unless the performer's own style is removed.
     const bool nothing = one.source.style == 0 && input_style == 0 && !one.source.seed;
     if (!nothing) request.sources.push_back(one.source);
   }

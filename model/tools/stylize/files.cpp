@@ -29,7 +29,7 @@ bool IsClip(const fs::path& file) {
   return extension == ".bvh" && !file.filename().string().starts_with(".");
 }
 
-// `locked`: folders inside that may not be read.
+// `locked`: folders inside that cannot be read.
 template <typename Iterator>
 std::string Gather(const fs::path& folder, std::vector<fs::path>& found,
                    std::vector<fs::path>& locked) {
@@ -139,17 +139,17 @@ Status Guard::Check(const std::string& file) const {
       }
     }
     if (written_.contains(*id)) {
-      return Status::Error(file + ": is an output of this run already (by a link)");
+      return Status::Error(file + ": is already an output of this run (by a link)");
     }
   }
-  // A link to nothing is written through. One that leads back to itself has no status at all.
+  // A dangling link is written through. A link cycle has no status at all.
   std::error_code error;
   const fs::file_type type = fs::status(file, error).type();
   if (type == fs::file_type::none) {
     return Status::Error(file + ": cannot be looked at: " + error.message());
   }
   if (type != fs::file_type::not_found && type != fs::file_type::regular) {
-    return Status::Error(file + ": is no ordinary file, expected one to write");
+    return Status::Error(file + ": is not an ordinary file, expected one to write");
   }
   if (overwrite_) return Status::Ok();
   return Status::Error(file + ": exists, expected a new file; --overwrite replaces it");
@@ -159,7 +159,7 @@ Status Guard::Write(const std::string& file,
                     const std::function<Status(const std::string&)>& write) {
   if (Status status = Check(file); !status.ok()) return status;
   std::error_code error;
-  // A link keeps pointing where it points: what it names is replaced.
+  // A link keeps its target, and the target is replaced.
   fs::path target = file;
   if (fs::is_symlink(target, error)) target = fs::weakly_canonical(target, error);
   if (target.has_parent_path()) {

@@ -1,9 +1,9 @@
-// What stylize does about steps: --root stride and --cadence.
+// The options of stylize for steps: --root stride and --cadence.
 //
 // Time is warped after a clip is styled, not before. The network, the filters and the contacts of
-// the feet then see the performer's motion at the pace that they were made for; the rate of time
-// comes from the very frames that are styled (Output::cadence), so that it goes with the length of
-// the steps; and a planted foot stays planted, since a warp only changes when a pose is shown.
+// the feet then see the performer's motion at its own pace, for which they are made. The rate of
+// time comes from the styled frames themselves (Output::cadence), so that it fits the length of the
+// steps. A planted foot stays planted, since a warp only changes when a pose is shown.
 #include <cstdio>
 
 #include "model/tools/stylize/stylize.h"
@@ -11,7 +11,7 @@
 namespace styled::stylize {
 namespace {
 
-// What an option needs to know of styles.
+// The figures that an option needs of each style.
 struct Needed {
   const char* option;
   const char* figure;
@@ -23,7 +23,7 @@ constexpr Needed kStrideNeeds{"--root stride", "speed", "speeds", &net::StyleInf
                               &net::StyleInfo::run_mps};
 constexpr Needed kCadenceNeeds{"--cadence", "cadence", "cadences", &net::StyleInfo::walk_spm,
                                &net::StyleInfo::run_spm};
-// Speeds tell a walk from a run.
+// Speeds separate walking from running.
 constexpr Needed kCadenceNeedsOfNeutral{"--cadence", "speed", "speeds", &net::StyleInfo::walk_mps,
                                         &net::StyleInfo::run_mps};
 
@@ -39,7 +39,7 @@ Status CheckNeutral(const Needed& needed, const net::StyleInfo& neutral) {
   return known ? Status::Ok() : Lacks(needed, neutral);
 }
 
-// Another style in one gait at least: in the other it changes nothing.
+// Another style in at least one gait: in the other it changes nothing.
 Status CheckStyle(const Needed& needed, const net::StyleInfo& style) {
   const bool known = style.*needed.walk > 0 || style.*needed.run > 0;
   return known ? Status::Ok() : Lacks(needed, style);
@@ -71,8 +71,7 @@ Status CheckGait(const Arguments& arguments, const net::Styles& styles,
   return CheckStyle(kCadenceNeeds, styles[static_cast<std::size_t>(settings.input_style)]);
 }
 
-void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
-               clip::Clip& clip) {
+void Retime(const std::string& file, std::span<const double> times_s, bool say, clip::Clip& clip) {
   const auto length_s = [&clip] {
     return static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
   };

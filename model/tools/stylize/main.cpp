@@ -116,7 +116,7 @@ class Run {
   }
 
  private:
-  // Which outputs there will be. Nothing is read yet.
+  // Plans the outputs. No file is read yet.
   Status Plan() {
     std::vector<std::string> named = arguments_.files;
     std::string out = arguments_.out;
@@ -172,7 +172,7 @@ class Run {
     return Status::Ok();
   }
 
-  // What the command line alone says.
+  // Checks that need only the command line.
   Status CheckArguments() {
     auto joints = stylize::ParseJoints(arguments_);
     if (!joints.ok()) return joints.status();
@@ -180,7 +180,7 @@ class Run {
     return stylize::CheckExampleWeights(arguments_);
   }
 
-  // What all outputs need, each file once: avatar, weights, examples.
+  // Reads what all outputs need, each file once: avatar, weights, examples.
   Status ReadFiles() {
     for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
     if (!arguments_.avatar.empty()) {
@@ -219,7 +219,7 @@ class Run {
     return Status::Ok();
   }
 
-  // What the command line asks of these weights, for each style.
+  // Applies the command line to these weights, for each style.
   Status MakeRestylers() {
     if (arguments_.bind_only) return Status::Ok();
     for (const std::string& style : styles_) {
@@ -324,7 +324,7 @@ class Run {
     }
     if (arguments_.cadence) {
       progress_->Clear();
-      stylize::TakeTimes(job.out, styled.times_s, !arguments_.quiet, clip);
+      stylize::Retime(job.out, styled.times_s, !arguments_.quiet, clip);
       outcome.frames = clip.frames.size();
     }
     return Write(job, source, std::move(clip), outcome);
@@ -378,7 +378,7 @@ class Run {
 #endif
   }
 
-  // Says what came of an output.
+  // Reports the result of an output.
   void Tell(const Outcome& outcome) {
     progress_->Clear();
     if (!outcome.error.empty()) {
@@ -423,7 +423,7 @@ class Run {
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
-      "Restyles BVH clips, on their own skeletons or on an avatar's: same rate and, but for "
+      "Restyles BVH clips, on their own skeletons or on an avatar's: same rate and, except for "
       "--cadence, same frame count.",
       "stylize");
   stylize::AddOptions(app, arguments);

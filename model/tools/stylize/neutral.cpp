@@ -1,4 +1,4 @@
-// The argument --neutral of stylize: from where the performer's own carriage is known.
+// The argument --neutral of stylize: the source of the performer's own carriage.
 #include "model/clip/bind_clip.h"
 #include "model/tools/stylize/stylize.h"
 
@@ -23,9 +23,10 @@ Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
   const std::string& file = arguments.neutral;
   if (file == kNeutralOfClip || file == kNeutralLive || file == kNoNeutral) return Learned();
   if (!model.reference) {
-    return Status::Error("--neutral " + file +
-                         ": these weights do not know how their performers stand and walk; "
-                         "expected weights of version 3 (styletrain --write-reference)");
+    return Status::Error(
+        "--neutral " + file +
+        ": these weights have no reference of how their performers stand and walk; "
+        "expected weights of version 3 (styletrain --write-reference)");
   }
   const auto clip = clip::ReadBvh(file);
   if (!clip.ok()) return Status::Error("--neutral: " + clip.status().message());
@@ -35,7 +36,7 @@ Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
   Learned learned = LearnNeutral(clip.value(), bound.value().binding, *model.reference);
   if (learned->body_s > 0) return learned;
   return Status::Error("--neutral " + file +
-                       ": found nobody who stands or walks; expected some seconds of it, in the "
+                       ": found no standing or walking; expected some seconds of it, in the "
                        "performer's own way");
 }
 

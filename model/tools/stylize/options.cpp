@@ -23,22 +23,21 @@ void AddStyleOptions(CLI::App& app, Arguments& arguments) {
       ->take_all()
       ->allow_extra_args(false)
       ->delimiter(',');
-  app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 gives the input back")
+  app.add_option("-a,--strength", arguments.strength, "0 to 1.5; 0 returns the input")
       ->capture_default_str();
-  app.add_option("-m,--mix", arguments.mix, "a further style, STYLE=WEIGHT; at most 4 in all")
+  app.add_option("-m,--mix", arguments.mix, "an additional style, STYLE=WEIGHT; at most 4 in total")
       ->take_all()
       ->allow_extra_args(false);  // one value per --mix: the next word may be the input
-  app.add_option(
-         "-l,--like", arguments.like,
-         "an example of the target style, CLIP.bvh or CLIP.bvh=WEIGHT; what is named without a "
-         "weight shares equally what is left of 1 (weights of family st-gcn)")
+  app.add_option("-l,--like", arguments.like,
+                 "an example of the target style, CLIP.bvh or CLIP.bvh=WEIGHT; those without a "
+                 "weight share the rest of 1 equally (weights of family st-gcn)")
       ->take_all()
       ->allow_extra_args(false);
   CLI::Option* const vary =
       app.add_option("--vary", arguments.vary,
-                     "a variation of each style named, by this number (weights of family st-gcn)")
+                     "the variation of this number of each named style (weights of family st-gcn)")
           ->check(Whole(0, std::numeric_limits<std::uint64_t>::max()));
-  app.add_option("--amount", arguments.amount, "of the variation: 0 none, 1 as in training")
+  app.add_option("--amount", arguments.amount, "amount of the variation: 0 none, 1 as in training")
       ->check(Number(0, kMaxAmount))
       ->capture_default_str()
       ->needs(vary);
@@ -53,33 +52,32 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag("--absolute", arguments.absolute,
                "the paper's output instead of the detail-preserving one");
   app.add_option("--parts,--only", arguments.parts,
-                 "style these parts of the body alone, comma-separated")
+                 "style only these parts of the body, comma-separated")
       ->capture_default_str();
   app.add_option("--input-style,--from", arguments.input_style,
-                 "the style that the performer moves in; --style neutral removes it");
-  app.add_option(
-         "--root", arguments.root,
-         "where on the floor: follow the performer, or stride, their way scaled by what the "
-         "style does to speed")
+                 "the performer's own style; --style neutral removes it");
+  app.add_option("--root", arguments.root,
+                 "place on the floor: follow the performer, or stride, their path scaled by the "
+                 "style's effect on speed")
       ->check(CLI::IsMember({"follow", "stride"}))
       ->capture_default_str();
   app.add_flag("--cadence", arguments.cadence,
-               "warp time where the performer walks or runs, so that steps come as often as the "
+               "warp time while the performer walks or runs, so that steps come as often as the "
                "style's; the length of the clip changes");
   app.add_option("--neutral", arguments.neutral,
-                 "how the performer stands and walks when no style is asked for: clip, learned "
+                 "the performer's own posture and walk: clip, learned "
                  "from all of the clip; live, from its frames so far, as in a live stream; none; "
                  "or a BVH file of the same performer")
       ->capture_default_str();
   app.add_option("--posture", arguments.posture,
-                 "how much of a style's carriage of trunk, head and shoulders is kept where the "
-                 "network shows nothing of the style, 0 to 1; of networks that run live")
+                 "how much of a style's carriage of trunk, head and shoulders is kept while the "
+                 "network shows none of the style, 0 to 1; for networks that run live")
       ->check(Number(0, 1))
       ->capture_default_str();
   app.add_flag("--no-bypass", arguments.no_bypass,
                "without a style, still go through bind, network and unbind");
   app.add_flag("--feet,!--no-feet", arguments.feet,
-               "hold feet that the performer plants where they are (default: --feet)");
+               "hold feet that the performer plants in place (default: --feet)");
   app.add_flag("--bind-only", arguments.bind_only,
                "only bind to the canonical humanoid and back, without the network");
 }
@@ -91,14 +89,14 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option(
          "--rest", arguments.rest,
-         "the upright pose that the T-pose is taken from, where the clip's zero pose is not one: "
+         "the upright pose from which the T-pose is derived if the clip's zero pose is not one: "
          "zero, "
          "the zero pose with its arms anywhere; standing, each limb from the frame in which it "
-         "is straightest; the time of a frame in seconds; auto, what fits")
+         "is straightest; the time of a frame in seconds; auto, the one that fits")
       ->check([](const std::string& text) { return clip::ParseRestPose(text).status().message(); })
       ->capture_default_str();
   app.add_option("--joints", arguments.joints,
-                 "joints of the inputs whose names are not understood, CANONICAL=NAME, e.g. "
+                 "joints of the inputs whose names are not recognized, CANONICAL=NAME, e.g. "
                  "leftUpperArm=Arm_01")
       ->take_all()
       ->allow_extra_args(false);
@@ -113,26 +111,27 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
 }
 
 void AddOutputOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("-o,--out", arguments.out,
-                 "the outputs of all inputs and styles, e.g. 'out/{name}-{style}.bvh'; {dir} is "
-                 "where the input lies below its folder; - is the standard output. The extension "
-                 "decides the format: " +
-                     clip::FormatNames());
+  app.add_option(
+      "-o,--out", arguments.out,
+      "the outputs of all inputs and styles, e.g. 'out/{name}-{style}.bvh'; {dir} is "
+      "the input's folder relative to the named one; - is the standard output. The extension "
+      "decides the format: " +
+          clip::FormatNames());
   app.add_option("--format", arguments.format, "the format of the standard output")
       ->check(CLI::IsMember({"bvh", "glb"}));
 #ifdef STYLED_PREVIEW
   app.add_option("--preview", arguments.preview,
-                 "also a picture of input and output, .png, or a film of both, .mp4 (needs "
+                 "also a picture of input and output, .png, or a video of both, .mp4 (needs "
                  "ffmpeg); a pattern as --out");
 #endif
-  app.add_flag("-r,--recursive", arguments.recursive, "folders with the folders in them");
+  app.add_flag("-r,--recursive", arguments.recursive, "folders with their subfolders");
   app.add_flag("--overwrite", arguments.overwrite, "replace outputs that exist; never an input");
   app.add_flag("--json", arguments.json, "a line of JSON for each output, instead of the summary");
   app.add_flag("-q,--quiet", arguments.quiet, "no summary and no progress");
 }
 
-// What says something about styling or weights, and so nothing with --bind-only. Not CLI11's
-// excludes(), which would write as much behind each of them in the help.
+// Options about styling or weights, which have no effect with --bind-only. Not CLI11's excludes(),
+// which would list as many options behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
     "--style",   "--strength", "--mix",       "--like",        "--vary",    "--amount",
     "--window",  "--absolute", "--parts",     "--input-style", "--root",    "--cadence",
@@ -176,7 +175,7 @@ Result<rig::JointNames> ParseJoints(const Arguments& arguments) {
 
 namespace {
 
-// Which files are inputs and which outputs, as far as the command line alone tells.
+// Decides which files are inputs and which outputs, as far as the command line alone allows.
 Status CheckFiles(const Arguments& arguments) {
   const std::size_t count = arguments.files.size();
   if (count == 0 || (arguments.out.empty() && count == 1)) {

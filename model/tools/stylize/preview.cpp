@@ -139,7 +139,7 @@ class Film {
     }
     return child_ > 0;
   }
-  // Whether ffmpeg was content.
+  // Whether ffmpeg succeeded.
   bool End() {
     if (to_ >= 0) close(std::exchange(to_, -1));
     int status = 1;
@@ -181,7 +181,7 @@ Status WriteFilm(const Shown& shown, const std::string& file) {
     good = film.Add(canvas);
   }
   good = film.End() && good;
-  return good ? Status::Ok() : Status::Error(file + ": ffmpeg has not written it");
+  return good ? Status::Ok() : Status::Error(file + ": ffmpeg did not write it");
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace styled::stylize {
 
-// What a preview shows: the same motion before and after, as the humanoid.
+// The content of a preview: the same motion before and after, as the humanoid.
 struct Shown {
   std::vector<body::Pose> input, output;  // not empty; of other lengths only with --cadence
   double rate_hz = 30;
@@ -20,7 +20,7 @@ struct Shown {
 Status CanPreview(const std::string& file);
 
 // Writes a picture, .png: the input on top and the output below it at the same shares of their
-// lengths, from the right and from the front; or a film, .mp4: both side by side, at most 30 Hz,
+// lengths, from the right and from the front; or a video, .mp4: both side by side, at most 30 Hz,
 // made by ffmpeg. Errors name the file. Blocks.
 Status WritePreview(const Shown& shown, const std::string& file);
 

@@ -18,7 +18,7 @@ std::string Percent(std::size_t part, std::size_t whole) {
   return NumberText(100 * Share(part, whole), 1) + " %";
 }
 
-// The limbs that show less of the style than the eye misses, "left-arm 24 %, trunk 61 %"; "": none.
+// The limbs that show visibly less of the style, "left-arm 24 %, trunk 61 %"; "": none.
 std::string HeldBack(const Outcome& outcome) {
   constexpr double kMissed = 0.9;
   std::string text;
@@ -49,10 +49,10 @@ std::string SummaryLine(const Outcome& outcome) {
     const std::string held_back = HeldBack(outcome);
     if (outcome.unseen_s > 0) {
       line += ", hardly styled for " + std::to_string(outcome.unseen_s) + " of " +
-              std::to_string(outcome.seconds) + " s: the weights leave what is done there as it is";
+              std::to_string(outcome.seconds) + " s: the weights leave that motion unchanged";
     }
     if (!held_back.empty() && !MostlyUnseen(outcome)) {
-      line += ", of the style are shown " + held_back;
+      line += ", style shown: " + held_back;
     }
   }
   if (outcome.own > 0) line += ", not styled " + std::to_string(outcome.own);
@@ -111,7 +111,7 @@ void ProgressLine::Show(double share) {
   if (!shown_ || percent == percent_) return;
   percent_ = percent;
   there_ = true;
-  // Back to the line's begin, the text, and nothing behind it.
+  // Carriage return, the text, and erasing the rest of the line.
   std::fprintf(stderr, "\r%zu of %zu: %.60s %d %%\x1b[K", job_, jobs_, name_.c_str(), percent);
 }
 

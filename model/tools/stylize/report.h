@@ -7,17 +7,17 @@
 #include "model/stylist/limb_gate.h"
 #include "model/stylist/visible.h"
 
-// What stylize tells of its outputs: a line for people or of JSON each, and progress.
+// The report of stylize about its outputs: a line of text or JSON each, and progress.
 namespace styled::stylize {
 
 // One output, written or not.
 struct Outcome {
   std::string in, out, style;
-  std::string error;          // what went wrong; "": nothing
+  std::string error;          // the error; "": none
   bool written = false;       // the output; an error may be that of its preview
   std::string dialect, rest;  // of the input's skeleton; rest as clip::BoundClip has it
   std::string preview;        // the file; "": none
-  std::string note;           // what the reader should know of the output; "": nothing
+  std::string note;           // a note for the user; "": none
   std::size_t frames = 0;     // of the output
   // Of the input's frames; own: could not be styled.
   std::size_t input_frames = 0, planted = 0, out_of_domain = 0, own = 0;
@@ -26,7 +26,7 @@ struct Outcome {
   std::array<double, stylist::kLimbCount> shown{};
   std::array<double, stylist::kVisibleLimbs.size()> moved_cm{};
   int seconds = 0, unseen_s = 0;
-  bool styled = false;  // the network ran: what follows from it is known
+  bool styled = false;  // the network ran, so its figures are known
 };
 
 // "in.bvh -> out.bvh: 171 frames at 60 Hz, cmu, feet planted 71 %, sliding 0.4 cm/s, ..."
@@ -34,10 +34,10 @@ std::string SummaryLine(const Outcome& outcome);
 // An object: in, out, style, written, error, frames, rate_hz, seconds, dialect, rest, feet
 // {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, moved_cm {head,
 // ...}, hardly_styled (in most seconds), hardly_styled_s, shown_share {left-arm, ...}, own_frames,
-// preview, note. What is not known is absent. Bytes that are no UTF-8 are replaced.
+// preview, note. Unknown values are absent. Bytes that are not UTF-8 are replaced.
 std::string JsonLine(const Outcome& outcome);
 
-// The line at the bottom of a terminal that says how far a run is; nothing elsewhere.
+// The progress line at the bottom of a terminal; nothing for other outputs.
 class ProgressLine {
  public:
   // `wanted` false: never shown.

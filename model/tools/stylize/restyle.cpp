@@ -97,8 +97,8 @@ class Wardrobe {
   std::optional<stylist::Avatar> worn_;
 };
 
-// A clip's frames as they are styled. A live stream does not show the motion between two distant
-// frames; a clip allows a smooth curve, so a slow one has `steps` - 1 frames in between.
+// A clip's frames for styling. A live stream does not show the motion between two distant frames; a
+// clip allows a smooth curve, so a slow one has `steps` - 1 frames in between.
 struct Frames {
   explicit Frames(const clip::Clip& the_clip)
       : clip(the_clip),
@@ -121,14 +121,14 @@ struct Frames {
   clip::Clip between;
 };
 
-// Puts what the arguments blend in place of the styles of `settings`, as one more style of the
+// Replaces the styles of `settings` by the blend of the arguments, as one more style of the
 // network.
 Status AddBlend(const Arguments& arguments, const Examples& examples, stylist::Settings& settings,
                 std::shared_ptr<const net::Stylizer>& stylizer) {
   if (arguments.root != "follow" || arguments.cadence) {
     return Status::Error(
         std::string(arguments.cadence ? "--cadence" : "--root stride") +
-        ": how fast an example or a variation goes is not known; expected --style and --mix alone");
+        ": the speed of an example or a variation is not known; expected only --style and --mix");
   }
   auto blend =
       MakeBlend(arguments, examples, stylizer->model(), *stylizer->space(), settings.input_style);
@@ -144,11 +144,11 @@ Status AddBlend(const Arguments& arguments, const Examples& examples, stylist::S
 // Writes the next frame's styled pose.
 using StyleNext = std::function<void(std::size_t i, stylist::Output& out)>;
 
-// How planted feet slide over the floor, styled and in the input: from frame to frame the smaller
-// way of ankle and toes. A foot counts by the stylist's own contacts (the judges' skate has others)
-// and only while the performer's own is slower than what is surely planted: the contacts are
-// smooth, and hold on to a foot that lifts off for some 50 ms, in which it reaches the speed of a
-// swing.
+// How far planted feet slide over the floor, styled and in the input: from frame to frame the
+// smaller displacement of ankle and toes. A foot counts by the stylist's own contacts (the judges'
+// skate has others) and only while the performer's own is slower than the limit of a planted one:
+// the contacts are smooth, and hold on to a foot that lifts off for some 50 ms, in which it reaches
+// the speed of a swing.
 class Slide {
  public:
   void Add(const stylist::Output& out, double input_dt_s, double dt_s) {
@@ -190,7 +190,7 @@ class Slide {
   std::uint32_t before_ = 0;
 };
 
-// How much of the style the frames show.
+// How much of the style is visible in the frames.
 class Effect {
  public:
   // A frame of this moment of the input.
@@ -289,12 +289,12 @@ std::optional<neutral::Known> Restyler::NeutralOf(const clip::Clip& clip,
   return neutral_;
 }
 
-bool Restyler::WantsMuch() const {
+bool Restyler::RequestsVisibleStyle() const {
   if (network_.clips) {
-    return clip_style_.weight >= stylist::tuning::kAsksForMuch &&
+    return clip_style_.weight >= stylist::tuning::kVisibleRequest &&
            clip_style_.parts == body::kAllParts;
   }
-  return stylist::AsksForMuch(settings_);
+  return stylist::RequestsVisibleStyle(settings_);
 }
 
 Result<Styled> Restyler::Run(const std::string& file,
@@ -340,7 +340,7 @@ Result<Styled> Restyler::Run(const std::string& file,
     if (out.contacts != 0) ++result.planted;
     if ((out.flags & stylist::kOutOfDomain) != 0) ++result.out_of_domain;
     result.times_s.push_back(time_s);
-    clip.frames[i / frames.steps] = wardrobe.Pose(out);  // nothing reads the input's any more
+    clip.frames[i / frames.steps] = wardrobe.Pose(out);  // the input's data is no longer read
     if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(frames.count));
   }
   result.slide_cm_s = slide.Cm_s();
@@ -349,7 +349,7 @@ Result<Styled> Restyler::Run(const std::string& file,
   result.turned_deg = effect.Turned_deg();
   result.moved_cm = effect.Moved_cm();
   result.seconds = effect.seconds();
-  if (WantsMuch()) result.unseen_s = effect.unseen_s();
+  if (RequestsVisibleStyle()) result.unseen_s = effect.unseen_s();
   result.shown = effect.Shown();
   return result;
 }
@@ -365,8 +365,7 @@ Result<float> ParseWeight(const std::string& number, const char* option, const s
   const float weight = std::strtof(number.c_str(), &end);
   if (!number.empty() && *end == '\0' && weight >= 0 && weight <= net::kMaxStrength) return weight;
   return Status::Error(std::string(option) + ": '" + text +
-                       "': expected behind '=' a weight from 0 to " +
-                       NumberText(net::kMaxStrength));
+                       "': expected after '=' a weight from 0 to " + NumberText(net::kMaxStrength));
 }
 
 std::string WeightsText(const Arguments& arguments) {

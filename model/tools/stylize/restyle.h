@@ -21,23 +21,23 @@
 
 namespace styled::stylize {
 
-// What came of a clip's frames.
+// The figures of a clip's frames.
 struct Styled {
   std::size_t failed = 0;         // could not be styled and are the performer's own
   std::size_t planted = 0;        // the performer has a foot planted
   std::size_t out_of_domain = 0;  // unlike what the network was trained on
-  // How fast feet that stand in the input move over the floor on the humanoid, on average, styled
-  // and in the input.
+  // The mean speed over the floor of feet that stand in the input, on the humanoid, styled and in
+  // the input.
   double slide_cm_s = 0, input_slide_cm_s = 0;
-  // By how much the style turns a joint, mean of all frames (stylist::Output).
+  // The angle by which the style turns a joint, mean of all frames (stylist::Output).
   double turned_deg = 0;
-  // How far it moves limbs, mean of all frames, cm (stylist::MovedBy).
+  // The distance by which it moves limbs, mean of all frames, cm (stylist::MovedBy).
   std::array<double, stylist::kVisibleLimbs.size()> moved_cm{};
-  // The input's seconds, and those in which much of a style was asked for and nothing of it is to
-  // be seen (stylist::IsUnseen).
+  // The input's seconds, and those in which much style was requested and none of it is visible
+  // (stylist::IsUnseen).
   int seconds = 0, unseen_s = 0;
-  // By stylist::Limb: the mean share of the style that it shows. The rest is held back, because the
-  // network does not know what the limb does.
+  // By stylist::Limb: the mean share of the style that it shows. The rest is withheld, because the
+  // network does not know the limb's motion.
   std::array<double, stylist::kLimbCount> shown{};
   std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
 };
@@ -50,12 +50,11 @@ const net::StyleSpace* SpaceOf(const net::AnyStylizer& network);
 // Called with the share of a clip that is done.
 using Progress = std::function<void(double)>;
 
-// The styling that the arguments and the network's kind ask for, for any number of clips.
+// The styling that the arguments and the network's kind request, for any number of clips.
 class Restyler {
  public:
-  // `arguments` name one style; `examples` are those of --like, `neutral` what the file of
-  // --neutral shows. Reads no file. Errors name the
-  // option.
+  // `arguments` name one style; `examples` are those of --like, `neutral` the result of the file of
+  // --neutral. Reads no file. Errors name the option.
   static Result<Restyler> Make(const Arguments& arguments, const Examples& examples,
                                const std::optional<neutral::Known>& neutral,
                                const net::AnyStylizer& network);
@@ -68,7 +67,7 @@ class Restyler {
 
  private:
   Restyler() = default;
-  bool WantsMuch() const;
+  bool RequestsVisibleStyle() const;
   std::optional<neutral::Known> NeutralOf(const clip::Clip& clip,
                                           const rig::Binding& binding) const;
 

@@ -18,11 +18,11 @@
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/settings.h"
 
-// What the sources of the program stylize share.
+// Declarations that the sources of the program stylize share.
 namespace styled::stylize {
 
 struct Arguments {
-  std::vector<std::string> styles;  // each is styled by itself
+  std::vector<std::string> styles;  // each is applied by itself
   std::string style;                // the one of these that is due; "": none
   float strength = 1.0F;
   std::vector<std::string> mix;
@@ -56,7 +56,7 @@ inline constexpr Window kWindows[] = {{"auto", net::Extent::kByLength},
 
 // options.cpp: fills `arguments` as `app` parses.
 void AddOptions(CLI::App& app, Arguments& arguments);
-// What the parser does not check: arguments that are missing or say nothing alone.
+// Checks that the parser does not make: arguments that are missing or have no effect alone.
 Status CheckTogether(const CLI::App& app, const Arguments& arguments);
 
 // The joints that --joints names.
@@ -77,22 +77,22 @@ Result<Weighted> FindWeighted(const net::Styles& styles, const std::string& text
 std::string WeightsText(const Arguments& arguments);
 // The error for weights that sum to more than they may, times the strength.
 Status TooMuch(const Arguments& arguments, float sum);
-// The style that the performer moves in, 0 where the arguments name none.
+// The performer's own style, 0 if the arguments name none.
 Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles);
 Result<body::Parts> FindParts(const Arguments& arguments);
 const char* Explain(stylist::SettingsError error);
 
-// The output's name, or what fills {style} in it: the style's, else the others' that it is made of.
+// The output's name, or the text for {style} in it: the style's, otherwise those that it is made
+// of.
 std::string StyleWord(const Arguments& arguments);
 
 // gait.cpp: whether the weights know what --root stride and --cadence need, of neutral and
 // of each style that `settings` names; the error names the option and the style.
 Status CheckGait(const Arguments& arguments, const net::Styles& styles,
                  const stylist::Settings& settings);
-// Puts the frames of a styled clip at `times_s` (clip::Retime), and says on standard error how long
-// it was and is; `file` is the output's name.
-void TakeTimes(const std::string& file, std::span<const double> times_s, bool say,
-               clip::Clip& clip);
+// Puts the frames of a styled clip at `times_s` (clip::Retime), and prints both lengths on standard
+// error; `file` is the output's name.
+void Retime(const std::string& file, std::span<const double> times_s, bool say, clip::Clip& clip);
 
 // neutral.cpp: the words of --neutral; anything else is a file.
 inline constexpr const char* kNeutralOfClip = "clip";
@@ -101,8 +101,8 @@ inline constexpr const char* kNoNeutral = "none";
 // The performer's neutral, learned from all of a clip (neutral::Neutral).
 neutral::Known LearnNeutral(const clip::Clip& clip, const rig::Binding& binding,
                             const neutral::Reference& reference);
-// That of the clip that --neutral names; nothing where it names none. A clip that shows nobody
-// stand or walk is an error; errors name the file.
+// The neutral from the clip that --neutral names; empty if it names none. A clip in which no
+// performer stands or walks is an error; errors name the file.
 Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
                                                   const rig::JointNames& joints,
                                                   const net::Model& model);
@@ -114,19 +114,19 @@ struct Example {
   std::vector<body::Pose> poses;  // at the network's rate
 };
 using Examples = std::vector<Example>;
-// Reads the examples that --like names; none for a network without a space of styles. Errors name
-// the file. Weights that are no numbers are refused by CheckExampleWeights.
+// Reads the examples that --like names; empty for a network without a space of styles. Errors name
+// the file. Invalid weights are refused by CheckExampleWeights.
 Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& model,
                               const net::StyleSpace* space);
 Status CheckExampleWeights(const Arguments& arguments);
-// Says on standard error how far each is from the styles that the network knows.
+// Prints on standard error how far each is from the styles that the network knows.
 void PrintNearest(const Examples& examples, const net::Styles& styles,
                   const net::StyleSpace& space);
 
-// What the arguments ask of a network that needs whole clips.
+// The request that the arguments make to a network that needs whole clips.
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,
                                           const net::ClipStylizer& network);
-// What --style, --mix, --like and --vary make together, and the weight of all of it.
+// The combination of --style, --mix, --like and --vary, and its total weight.
 struct Blend {
   net::StyleCode code;
   float weight = 1;

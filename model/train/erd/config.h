@@ -20,22 +20,23 @@ struct Config {
   // lesson is STYLE[/CONTENT][*GAIN]: only in windows of that content, and with GAIN (0, 10] times
   // the change to the style. Of several for one style and content the last counts.
   std::vector<std::string> teachers;
-  // What a teacher that sees whole clips does so much later is taught, s. The stylist's low-pass
-  // delays the change of style: a student that is ahead by its delay is on time when published.
+  // The lead over a teacher that sees whole clips, s: its change so much later is taught. The
+  // stylist's low-pass delays the change of style: a student that is ahead by its delay is on time
+  // when published.
   double teacher_lead_s = 0.0;
-  // The share [0, 1) of neutral windows that are idle: one frame in which both feet are down and
-  // the hands too, held for seconds, since no data set has long idle postures. The target there is
-  // the mean of what a teacher changes in windows of the content `idle_as`. Needs a teacher.
+  // The share [0, 1) of neutral windows that are idle: one frame with both feet and the hands down,
+  // held for seconds, because no data set has long idle postures. Their target is the mean of the
+  // teacher's changes in windows of the content `idle_as`. Needs a teacher.
   double idle = 0.0;
   std::string idle_as = "walk";
   // Contents in which performers idle: their neutral windows are taught like idle ones.
   std::vector<std::string> idle_contents;
-  // Contents in which a style changes nothing: acts that no style was recorded in, so that a
-  // teacher's guess is all there is, and the performer's own motion is better.
+  // Contents in which a style changes nothing: acts that no style was recorded in, for which a
+  // teacher can only guess and the performer's own motion is better.
   std::vector<std::string> kept_contents;
   // The names of styles that are added to `init`, everything else frozen (the paper's future work,
-  // C.1). The manifest must have neutral and these styles alone; the exported weights have all
-  // other styles of init, bit for bit, and them.
+  // C.1). The manifest must have only neutral and these styles; the exported weights have all other
+  // styles of init, bit for bit, and the new ones.
   std::vector<std::string> add_styles;
   bool replace = false;  // they may be among init's, and are then trained from there
 
@@ -78,11 +79,11 @@ struct Config {
   // Distance from the teachers' changes of style: eq. 2 of the rotations; mean squares of the
   // positions that follow, hips' rise included, m², and of their velocities, (m/s)².
   double w_teacher = 0.5, w_teacher_position = 0.0, w_teacher_velocity = 0.0;
-  // Second difference of the change of style; the jerk of the output against its expression.
+  // Second difference of the change of style: less jerk of the output, less expression.
   double w_smooth = 10.0;
   double smooth_from = 0.2, smooth_full = 0.3;  // shares of the run between which it is ramped in
 
-  // What the paper's ablations leave out (besides losses, by their weights).
+  // The parts that the paper's ablations leave out (besides losses, by their weights).
   bool attention = true;        // false: a plain multi-class discriminator
   bool learned_states = true;   // false: recurrent states start at zero
   bool judge_published = true;  // critic and classifier see the detail-preserving output

@@ -161,8 +161,8 @@ Status Learner::AddTeacher(const net::ClipStylizer& network, const std::vector<L
   return teachers_->Add(network, lessons);
 }
 
-// A badly calibrated window must come out as the well calibrated one would: `rec` is then compared
-// with that, and the change of style is put on that before it is judged.
+// A badly calibrated window must have the same output as the well calibrated one: `rec` is compared
+// with that, and the change of style is applied to it before it is judged.
 Learner::Generated Learner::Generate(const Batch& batch) {
   const Decoded decoded = generator_.Transfer(batch.input, slots_, batch.carried, carried_);
   const int64_t count = slots_.count();

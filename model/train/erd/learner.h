@@ -27,7 +27,7 @@ namespace styled::train::style_erd {
 inline constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
 inline constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 
-// Sums of losses, kept on the device so that the log is the only place that waits for it.
+// Sums of losses, kept on the device so that only the log waits for it.
 class Tally {
  public:
   void Add(const std::string& name, const torch::Tensor& value);
@@ -38,7 +38,7 @@ class Tally {
   std::vector<std::pair<std::string, torch::Tensor>> sums_;
 };
 
-// What a learner learns from. All of it must outlive the learner.
+// A learner's training data. All of it must outlive the learner.
 struct LearnerData {
   const clip::Manifest& manifest;
   const std::vector<TrainingClip>& clips;
@@ -55,11 +55,11 @@ class Learner {
   Learner(const Config& config, uint64_t seed, const LearnerData& data,
           const torch::Device& device);
 
-  // Starts from trained weights instead of random ones: what the styles share, and the branches of
-  // those that `weights` has by name. Another style starts as a copy of the one whose branch
-  // reconstructs it best. The statistics must be those of `weights`.
+  // Starts from trained weights instead of random ones: the part shared by all styles, and the
+  // branches of those that `weights` has by name. Another style starts as a copy of the one whose
+  // branch reconstructs it best. The statistics must be those of `weights`.
   Status StartFrom(const LoadedWeights& weights);
-  // Teaches from now on what `weights` make of the same windows (Distillation::Add).
+  // From now on teaches the output of `weights` for the same windows (Distillation::Add).
   Status AddTeacher(const LoadedWeights& weights, const std::vector<Lesson>& lessons);
   Status AddTeacher(const net::ClipStylizer& network, const std::vector<Lesson>& lessons);
   // Trains the content classifier on real windows of all styles, then freezes it.
@@ -81,7 +81,7 @@ class Learner {
   Tally& tally() { return tally_; }
 
  private:
-  // What the generator makes of a batch.
+  // The generator's output for a batch.
   struct Generated {
     torch::Tensor rec, rec_positions;          // D(input style), [T, B, 21, 4 or 3]
     torch::Tensor rec_velocities, rec_height;  // the heads, standardized

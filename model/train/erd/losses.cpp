@@ -1,4 +1,4 @@
-// The losses of the generator and what the critic sees.
+// The losses of the generator and the critic's input.
 #include "model/train/erd/learner.h"
 #include "model/train/geometry.h"
 
@@ -9,7 +9,7 @@ using torch::Tensor;
 
 }  // namespace
 
-// What the critic sees: standardized positions and velocities, [T, B, 126].
+// The critic's input: standardized positions and velocities, [T, B, 126].
 Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const {
   const Tensor raw = torch::cat({positions.flatten(2, 3), velocities.flatten(2, 3)}, 2);
   return (raw - mean_.narrow(0, erd::kPositionBegin, kJudgedFeatures)) /
@@ -47,7 +47,7 @@ Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
          config_.w_velocity * velocity + config_.w_height * height;
 }
 
-// The critic's score of what is transferred, whose target is 0 (eq. 5).
+// The critic's score of transferred windows, whose target is 0 (eq. 5).
 Tensor Learner::Adversarial(const Batch& batch, const Generated& generated) {
   const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
   const Tensor loss = PairedMean(batch, critic_(generated.fake, labels).square());
@@ -92,7 +92,7 @@ Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
   return loss;
 }
 
-// The second difference over time of the change of style: what keeps the output from jerking.
+// The second difference over time of the change of style: reduces jerk of the output.
 Tensor Learner::Smoothness(const Generated& generated) {
   const Tensor log_change = LogQuaternion(generated.change);
   const Tensor smooth = log_change.diff(2, 0).square().sum(torch::IntArrayRef({0, 2, 3})).mean();

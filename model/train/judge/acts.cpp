@@ -18,11 +18,13 @@ constexpr double kReachWithin_s = 0.4;  // from the fastest moment to the end of
 constexpr double kLate_s = 0.2;         // how much earlier or later the styled gesture may be
 constexpr float kInPlace_mps = 0.5F;    // hips slower than this: a gesture, not a swing in a walk
 constexpr float kGesture_mps = 1.0F;    // a hand that is never faster makes no gesture
-constexpr float kAhead_m = 0.3F;        // a foot so far before the hips is not lifted for a step
+constexpr float kAhead_m = 0.3F;        // a foot so far in front of the hips is not lifted for a
+                                        // step
 constexpr float kKick_m = 0.4F;
 constexpr float kSwing = 3;           // in a walk or run the hands are less faster than the hips
-constexpr double kApart_s = 0.4;      // an act is the fastest or highest within so much
-constexpr float kStretched_m = 0.3F;  // a hand nearer to its shoulder points nowhere
+constexpr double kApart_s = 0.4;      // an act is the fastest or highest within this
+constexpr float kStretched_m = 0.3F;  // the direction of a hand nearer to its shoulder is
+                                      // meaningless
 
 Worlds WorldsOf(std::span<const body::Pose> poses) {
   Worlds worlds(poses.size());
@@ -70,9 +72,9 @@ std::vector<float> HandSpeeds_mps(const Worlds& worlds, int hand, double rate_hz
   return speeds_mps;
 }
 
-// The frame at which the hand has reached its end: farthest from its shoulder within kReachWithin_s
-// after `fastest`; from there on to where no frame within kLate_s reaches farther in the same
-// direction, so that an unchanged gesture is neither short nor off.
+// The frame in which the hand has reached its end. It is the frame farthest from its shoulder
+// within kReachWithin_s after `fastest`, moved on until no frame within kLate_s reaches farther in
+// the same direction, so that an unchanged gesture has reach 1 and angle 0.
 std::size_t FarthestReach(const Worlds& worlds, int hand, std::size_t fastest, double rate_hz) {
   const auto farthest = [&](std::size_t first, std::size_t end, std::size_t frame, auto&& reach_m) {
     for (std::size_t i = first; i < end; ++i) {

@@ -21,7 +21,7 @@ struct ActsKept {
   // The greatest height that a foot ahead of the body reaches above the floor, over the input's.
   // Only of clips in which the input's does so at 40 cm or more, as in a kick.
   Mean kick_height;
-  // The worst of each; 1, 0 and 1 where nothing is worse or nothing was measured.
+  // The worst of each; 1, 0 and 1 if nothing is worse or nothing was measured.
   double least_reach = 1, worst_direction_deg = 0, least_kick_height = 1;
 
   void Add(const ActsKept& clip);
@@ -31,11 +31,11 @@ struct ActsKept {
 ActsKept MeasureActs(std::span<const body::Pose> input, std::span<const body::Pose> output,
                      double rate_hz);
 
-// The same for every act of a clip, in dances and fights, where the fastest alone says little. A
-// gesture: a hand is fastest as seen from the chest within 0.4 s on either side and 1 m/s at least,
-// more than three times as fast as the hips
-// move, and its arm is then stretched to 30 cm or more. A
-// kick: a foot is highest within 0.4 s, 40 cm above the floor or more, and ahead of the body.
+// The same for every act of a clip, for dances and fights, in which the fastest act alone is not
+// representative. A gesture: a hand is fastest relative to the chest within 0.4 s on either side,
+// at least 1 m/s, and more than three times as fast as the hips, and its arm is then stretched to
+// 30 cm or more. A kick: a foot is highest within 0.4 s, 40 cm above the floor or more, and ahead
+// of the body.
 ActsKept MeasureEveryAct(std::span<const body::Pose> input, std::span<const body::Pose> output,
                          double rate_hz);
 

@@ -13,7 +13,7 @@
 
 namespace styled::judge {
 
-// What the judges share: a classifier of windows, how windows are drawn, and how it is trained.
+// The shared part of the judges: a classifier of windows, the drawing of windows, and the training.
 // Internal: of all headers of this folder only this one uses libtorch.
 
 inline constexpr float kFeatureNoise = 0.15F;  // on standardized features, during training
@@ -22,7 +22,7 @@ inline constexpr float kFeatureNoise = 0.15F;  // on standardized features, duri
 // then mean and maximum over time.
 struct ClassifierImpl : torch::nn::Module {
   ClassifierImpl(int features, int classes);
-  // What the last layer sees: mean and maximum over time, [N, 256].
+  // The last layer's input: mean and maximum over time, [N, 256].
   torch::Tensor Pool(const torch::Tensor& x);
   torch::Tensor forward(const torch::Tensor& x);
 
@@ -53,7 +53,7 @@ class WindowSampler {
 };
 
 // Trains `parameters` for `iterations` steps of AdamW: linear warm-up over a tenth of them, then
-// cosine decay to zero. `loss` draws a batch and returns its loss; `state` says how far it is, for
+// cosine decay to zero. `loss` draws a batch and returns its loss; `state` returns the progress for
 // the lines on stderr, which begin with `name`.
 void Optimize(const std::string& name, const std::vector<torch::Tensor>& parameters, int iterations,
               const std::function<torch::Tensor()>& loss,
@@ -65,7 +65,7 @@ torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int
 // The class with the largest logit, per row.
 std::vector<int> Answers(const torch::Tensor& logits);
 
-// Writes `module` to `file` by way of a second file, so that none is ever half written. Throws.
+// Writes `module` to `file` through a temporary file, so that none is ever incomplete. Throws.
 void SaveModule(const torch::nn::Module& module, const std::filesystem::path& file);
 
 }  // namespace styled::judge

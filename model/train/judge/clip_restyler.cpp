@@ -59,7 +59,7 @@ Result<AnyStyler> LoadAnyStyler(const std::filesystem::path& weights,
   auto network = trial::LoadAny(weights, precision);
   if (!network.ok()) return network.status();
   auto style_of = StylesOf(network.value().model().styles, manifest);
-  // Live networks make styles that they do not know of examples.
+  // Live networks make unknown styles from examples.
   const bool examples = network.value().frames && network.value().frames->space() != nullptr;
   if (!style_of.ok() && examples) style_of = std::vector<int>(manifest.styles.size(), kAbsent);
   if (!style_of.ok()) return Status::Error(weights.string() + ": " + style_of.status().message());

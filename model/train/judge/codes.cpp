@@ -18,7 +18,7 @@ constexpr std::array kLine{0.0F, 0.25F, 0.5F, 0.75F, 1.0F};
 
 using Example = std::span<const body::Pose>;
 
-// Everything that is measured on one set of weights.
+// All measurements on one set of weights.
 class Measurement {
  public:
   Measurement(const Data& data, const Judges& judges, const ClipRestyler& restyler)

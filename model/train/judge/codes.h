@@ -10,8 +10,8 @@
 
 namespace styled::judge {
 
-// What a network's space of style codes is worth (Park et al. 2021, section 4): measured on the
-// longest input of each content. Distances in cm, in the heading frame. NaN where not measured.
+// Measures the quality of a network's space of style codes (Park et al. 2021, section 4), on the
+// longest input of each content. Distances in cm, in the heading frame. NaN if not measured.
 struct Variety {
   Mean distance_cm;            // average pairwise distance of outputs of one input in one style
   std::vector<Mean> by_style;  // the same; [0] is empty
@@ -28,10 +28,10 @@ struct CodeSpace {
   Mean consistency;
   // Of how far one noise moves a clip in two styles: rank correlation, mean over pairs of styles.
   Mean intensity;
-  // Examples of one style and content: does the output move with what is the example's own?
-  // `of_all` is over the contents whose clips are one act: where a content is raises of either
-  // hand, an example's mean pose says mainly which hand, which is the input's and not the example's
-  // to say.
+  // Examples of one style and content: does the output follow an example's own deviation? `of_all`
+  // is over the contents whose clips are one act. In a content with raises of either hand, an
+  // example's mean pose mainly shows which hand was raised, which the input determines and not the
+  // example.
   std::vector<Following> following;  // by content
   Following of_all;
   Mean halves;  // two halves of one example, over two examples

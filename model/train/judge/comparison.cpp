@@ -135,7 +135,7 @@ std::vector<std::string> WeakJudges(const clip::Manifest& manifest, const Compar
     }
     if (where.empty() && !is_weak(row.share.all)) continue;
     weak.push_back(row.title + ": the judge recognizes " + Text(row.share.all) + " of real clips" +
-                   where + "; its figures there say little");
+                   where + "; its figures there are unreliable");
   }
   return weak;
 }

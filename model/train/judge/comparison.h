@@ -11,11 +11,11 @@
 
 namespace styled::judge {
 
-// Below this accuracy on real clips a judge's other figures say little.
+// Below this accuracy on real clips a judge's other figures are unreliable.
 inline constexpr double kWeakJudge = 0.8;
 
-// One judge's verdicts on a set of clips: the share of windows that it takes for the target, over
-// all cells, by style and by content. Shares over fewer cells have no interval.
+// One judge's verdicts on a set of clips: the share of windows recognized as the target, over all
+// cells, by style and by content. Shares over fewer cells have no interval.
 struct JudgedShare {
   Share all;
   std::vector<Share> by_style, by_content;
@@ -28,8 +28,8 @@ struct Compared {
   std::array<JudgedShare, kPartViewCount> parts;
 };
 
-// The same judges on everything that a network's figures are compared with. The manifest and the
-// judges must outlive this object.
+// The same judges applied to everything that a network's figures are compared with. The manifest
+// and the judges must outlive this object.
 class Comparison {
  public:
   // `known` are the clips that trained the judges: a style is judged only in contents in which they
@@ -52,12 +52,12 @@ class Comparison {
 };
 
 // A row per judge, a column per set; the first set must be of real clips. Then, for the last set, a
-// row per judge and a column per style, and per content. "-" where no window was judged.
+// row per judge and a column per style, and per content. "-" if no window was judged.
 void Print(const clip::Manifest& manifest, std::span<const Compared> sets);
-// The same; null where no window was judged.
+// The same; null if no window was judged.
 nlohmann::json ToJson(const clip::Manifest& manifest, std::span<const Compared> sets);
 
-// A sentence per judge that recognizes less than kWeakJudge of real clips, in all or of a content.
+// A sentence per judge that recognizes less than kWeakJudge of real clips, overall or of a content.
 std::vector<std::string> WeakJudges(const clip::Manifest& manifest, const Compared& real);
 
 }  // namespace styled::judge

@@ -14,7 +14,7 @@ namespace styled::judge {
 // prints a table and returns it. Everything runs through the stylist, as live.
 
 // Inputs with the faults of live rigs, for both forms of the output. For comparison, real clips of
-// the target with the same faults: what these cost the judge itself.
+// the target with the same faults, which show the faults' effect on the judge itself.
 nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Evaluator& evaluator,
                               const stylist::Options& options);
 

@@ -14,7 +14,7 @@
 namespace styled::judge {
 namespace {
 
-// A key for cached judges, made of everything that they depend on.
+// A key for cached judges, computed from everything that they depend on.
 std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
   std::string text = std::to_string(body::HumanoidHash()) + kJudgeRecipe;
   for (const train::TrainingClip& c : data.judge) {
@@ -209,7 +209,7 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
 
 namespace {
 
-// All styles but neutral, which inputs have already.
+// All styles but neutral, which the inputs already have.
 std::vector<int> EveryStyle(const Data& data) {
   std::vector<int> all(data.manifest.styles.size(), 0);
   all[0] = kAbsent;

@@ -48,8 +48,8 @@ struct Styler {
 Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest);
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest);
 
-// What a constant offset depends on: the style, or the style and the content, which only an offline
-// program knows. In a content without clips of the style it is that of all contents.
+// The dependence of a constant offset: on the style, or on style and content (which only an offline
+// program knows). In a content without clips of the style it is that of all contents.
 enum class OffsetPer { kStyle, kContent };
 
 // Every input in every style: by the weights, and by the baseline, a constant offset per joint

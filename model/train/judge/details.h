@@ -12,8 +12,8 @@
 
 namespace styled::judge {
 
-// What the judges' shares do not show of styled clips: how they walk and run beside the input and
-// the real style, how calm each clip is, and whether its acts are kept.
+// Details of styled clips that the judges' shares do not show: walking and running compared with
+// the input and the real style, the calmness of each clip, and whether its acts are kept.
 struct StyleDetails {
   std::vector<Gait> gait_output, gait_real;  // by gait, as Details::gaits
   JerkRatios jerk;
@@ -28,11 +28,11 @@ struct Details {
   ActsKept acts;
 };
 
-// `clips` are of `data`'s inputs. The real style is that of every clip that `data` has: the judged
-// ones are too few (a single elderly walk in bandai-2).
+// `clips` are of `data`'s inputs. The real style is that of every clip that `data` has, because
+// there are too few judged ones (a single elderly walk in bandai-2).
 Details MeasureDetails(const Data& data, std::string title, std::span<const Transferred> clips);
 
-// Tables with a row per style; "-" where nothing was measured. In JSON that is null.
+// Tables with a row per style; "-" if nothing was measured. In JSON that is null.
 void Print(const clip::Manifest& manifest, const Details& details);
 nlohmann::json ToJson(const clip::Manifest& manifest, const Details& details);
 nlohmann::json ToJson(const ActsKept& acts);

@@ -15,7 +15,7 @@
 
 namespace styled::judge {
 
-// The training clips of a manifest, at the judges' rate: what is measured of them and written into
+// The training clips of a manifest, at the judges' rate: their measurements are written into
 // weights.
 struct TrainingSet {
   clip::Manifest manifest;
@@ -26,14 +26,14 @@ Result<TrainingSet> ReadTrainingSet(const std::filesystem::path& manifest,
                                     const std::filesystem::path& folder);
 
 // Calls `edit` with the metadata of a weights file of any family (model/net/FORMAT.md), and writes
-// what came of it. Tensors stay. Replaces `weights` atomically, and not where `edit` fails or the
-// result is no weights file. Errors name the file.
+// the result. Tensors stay. Replaces `weights` atomically, but not if `edit` fails or the result is
+// not a weights file. Errors name the file.
 Status EditMetadata(const std::filesystem::path& weights,
                     const std::function<Status(nlohmann::ordered_json& keys)>& edit);
 
-// Calls `edit` with the index of each of `names` and the style that it calls in a weights file of
-// any family, by name or alias, as EditMetadata does. All other keys stay. That it has none of the
-// styles is an error.
+// Calls `edit` with the index of each of `names` and the style with that name or alias in a weights
+// file of any family, as EditMetadata does. All other keys stay. It is an error if the file has
+// none of the styles.
 Status EditStyles(const std::filesystem::path& weights, std::span<const std::string> names,
                   const std::function<void(std::size_t name, nlohmann::ordered_json& style)>& edit);
 
@@ -41,7 +41,8 @@ Status EditStyles(const std::filesystem::path& weights, std::span<const std::str
 Status WriteGate(const net::GateBounds& gate, const std::filesystem::path& weights);
 
 // The strength of the evidence for a style: how much of it the generator was trained on, s, and the
-// share of windows in which the judge takes the styled clips for it, -1 where it was not measured.
+// share of windows of the styled clips that the judge recognizes as the style, -1 if it was not
+// measured.
 struct Evidence {
   std::string style;
   double recorded_s = 0, recognized = -1;

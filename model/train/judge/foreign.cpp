@@ -134,7 +134,7 @@ std::vector<ForeignMotion> ForeignMotions(const body::Pose& standing) {
 nlohmann::json JudgeForeign(const Data& data, const Styler& styler, const stylist::Options& options,
                             std::vector<Scene>& scenes) {
   std::printf(
-      "\npostures that no training set has: rec off by, frames flagged, joint most turned by the "
+      "\npostures that no training set has: error of rec, frames flagged, joint most turned by the "
       "style, lowest joint under the input's, largest turn between frames (input's)\n");
   nlohmann::json json;
   for (const ForeignMotion& motion : ForeignMotions(data.inputs.front().front())) {

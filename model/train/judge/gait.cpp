@@ -8,10 +8,11 @@
 namespace styled::judge {
 namespace {
 
-// A foot has passed the other when it is this far ahead of it: feet that stand side by side pass
-// nobody by trembling.
+// A foot has passed the other when it is this far ahead of it, so that trembling feet that stand
+// side by side do not count.
 constexpr float kPassed_m = 0.03F;
-constexpr double kChord_s = 0.5;  // the hips' path is measured in chords, so that sway is no speed
+constexpr double kChord_s = 0.5;    // the hips' path is measured in chords, so that sway does not
+                                    // count as speed
 constexpr double kHeading_s = 0.5;  // over which the heading is averaged
 
 using body::Vec3;

@@ -60,7 +60,7 @@ std::vector<LongRun> RunLong(const Data& data, const Styler& styler,
   return runs;
 }
 
-std::vector<Transferred> TakeLate(std::span<const LongRun> runs, double seconds) {
+std::vector<Transferred> CutLate(std::span<const LongRun> runs, double seconds) {
   std::vector<Transferred> late;
   const auto from = static_cast<std::size_t>(seconds * kStreamRate_hz);
   int clip = 0;

@@ -21,6 +21,6 @@ std::vector<LongRun> RunLong(const Data& data, const Styler& styler,
 
 // Cuts out the clips of the long runs that begin after `seconds`, without the seams. Spans in the
 // result point into `runs`.
-std::vector<Transferred> TakeLate(std::span<const LongRun> runs, double seconds);
+std::vector<Transferred> CutLate(std::span<const LongRun> runs, double seconds);
 
 }  // namespace styled::judge

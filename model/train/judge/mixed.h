@@ -9,8 +9,8 @@
 namespace styled::judge {
 
 // A performer who walks, turns, waves and runs without a pause: neutral validation clips, each at
-// most 128 frames of it, blended over half a second. Where the manifest lacks these contents, all
-// that it has in turn. Poses at kJudgeRate_hz; empty where every clip is too short.
+// most 128 frames of it, blended over half a second. If the manifest lacks these contents, all that
+// it has in turn. Poses at kJudgeRate_hz; empty if every clip is too short.
 struct MixedClip {
   Poses poses;
   struct Segment {

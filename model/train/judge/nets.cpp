@@ -10,10 +10,10 @@
 namespace styled::judge {
 namespace {
 
-// During training each window and feature also gets a constant offset, in the feature's deviations:
-// what the clips of a recording session share (markers, actor) must not decide the style, and a
-// small constant signature must not pass for one. The content judge also sees poses between styles;
-// half a deviation worked best for styles left out of its training.
+// During training each window and feature also gets a constant offset, in the feature's deviations.
+// Common properties of a recording session's clips (markers, actor) must not decide the style, and
+// a small constant signature must not pass for one. The content judge also sees poses between
+// styles; half a deviation worked best for styles left out of its training.
 constexpr float kStyleOffset = 1.0F;
 constexpr float kContentOffset = 0.5F;
 constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions

@@ -16,8 +16,8 @@ namespace styled::judge {
 // The rate at which judges see motion; clips and published frames are converted to it.
 inline constexpr double kJudgeRate_hz = 30.0;
 
-// A version for what is not in JudgeSettings (layers, noise). Change it with them, so that judges
-// of an older recipe are not read from a cache.
+// A version for properties outside JudgeSettings (layers, noise). Change it with them, so that
+// judges of an older recipe are not read from a cache.
 inline constexpr const char* kJudgeRecipe = "2";
 
 // The features of one clip from its second frame on (the first has no velocity), and its labels.
@@ -34,7 +34,7 @@ Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content,
 // The judges' verdicts on every window of one sequence.
 struct Verdicts {
   std::vector<int> starts;           // first frame of each window
-  std::vector<int> style, content;   // the judges' answers
+  std::vector<int> style, content;   // the judges' results
   Eigen::MatrixXd embedding;         // one row per window: the auto-encoder's last encoder layer
   Eigen::MatrixXd content_features;  // one row per window: the content judge's last layer, mean
                                      // over time
@@ -68,7 +68,7 @@ class Judges {
   const erd::FeatureParameters& parameters() const;
   // Judges a window at every `stride`-th frame. A sequence shorter than the window has no windows.
   Verdicts Judge(const Sequence& sequence, int stride) const;
-  // The style judge's answers for windows of `window` frames, at least 4, beginning at every frame.
+  // The style judge's results for windows of `window` frames, at least 4, beginning at every frame.
   // The judge uses means over time, so windows shorter than in its training only cost accuracy.
   std::vector<int> JudgeStyle(const Sequence& sequence, int window) const;
 

@@ -28,7 +28,8 @@ constexpr auto kTrunk = Joints<4, 0>();
 constexpr auto kArms = Joints<8, 4>();
 constexpr auto kLegs = Joints<8, 12>();
 
-// The smallest deviation that a view is standardized by: what hardly moves must not be enlarged.
+// The smallest deviation by which a view is standardized: nearly constant values must not be
+// enlarged.
 constexpr float kLeastDeviation_m = 0.005F;
 // Both in deviations of the view, during training: noise on every frame, and on each window of the
 // judges of a pose a constant offset (see kStyleOffset in nets.cpp). Noise of 0.15, as the
@@ -81,7 +82,7 @@ struct ViewJudgeImpl : torch::nn::Module {
     classifier = register_module("classifier", Classifier(static_cast<int>(count), styles));
   }
 
-  // Features of windows, [N, T, F], to what this view shows of them, [N, columns, T], metres.
+  // The view of windows' features, [N, T, F] to [N, columns, T], metres.
   torch::Tensor See(const torch::Tensor& windows) const {
     const torch::Tensor seen =
         (windows.index_select(2, columns) - windows.index_select(2, origin_columns))

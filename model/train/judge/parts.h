@@ -15,9 +15,9 @@ namespace styled::judge {
 // As kJudgeRecipe, for these judges.
 inline constexpr const char* kPartRecipe = "1";
 
-// What one judge sees of the body: joint positions in the heading frame, less those of an origin
-// joint. `movement`: less each position's mean over the window, too, so that no constant offset can
-// pass for a style; otherwise the pose counts.
+// The part of the body that one judge sees: joint positions in the heading frame, minus those of an
+// origin joint. `movement`: also minus each position's mean over the window, so that no constant
+// offset can pass for a style; otherwise the pose counts.
 struct PartView {
   std::string_view key;    // in JSON
   std::string_view title;  // in tables
@@ -36,7 +36,7 @@ const std::array<PartView, kPartViewCount>& PartViews();
 // and may be called from any number of threads.
 class PartJudges {
  public:
-  // The style that each view's judge takes a window for; by view, then by window.
+  // The style that each view's judge recognizes in a window; by view, then by window.
   using Answers = std::array<std::vector<int>, kPartViewCount>;
 
   // Trains on `clips` and their mirror images, or reads the result of an earlier call with the same

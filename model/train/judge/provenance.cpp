@@ -23,7 +23,7 @@ constexpr std::array kGlossary{
          "judge takes for the target; mean over cells, 95 % interval over clips"},
     Term{"CRA",
          "content recognition accuracy: share of windows in which the content judge still "
-         "sees what the performer does"},
+         "recognizes the performer's content"},
     Term{"cell", "one style in one content"},
     Term{"movement",
          "a style judge of joint positions less their mean over the window, which no "
@@ -35,8 +35,8 @@ constexpr std::array kGlossary{
          "the same judges on recorded clips of the target: the most that can be "
          "reached"},
     Term{"neutral input",
-         "the same judges on the clips that are to be styled: what a network that "
-         "does nothing gets"},
+         "the same judges on the clips to be styled: the result of a network that "
+         "does nothing"},
     Term{"constant offset",
          "each joint turned by the style's mean difference from neutral: the "
          "baseline"},
@@ -70,11 +70,12 @@ constexpr std::array kGlossary{
          "the input's; off: the angle between the two arms"},
     Term{"kick", "the greatest height of a foot ahead of the body, over the input's"},
     Term{"mean code, noise, examples",
-         "what says the style to a network with a space of styles: the style's mean code, a code "
-         "drawn by chance in the style, or a clip of it"},
+         "the source of the style code for a network with a space of styles: the style's mean "
+         "code, a code "
+         "drawn at random in the style, or a clip of it"},
     Term{"APD",
          "average pairwise distance of joints between outputs of one input in one style, cm: "
-         "variety, worth something only where the same outputs are recognized"},
+         "variety, meaningful only if the same outputs are recognized"},
     Term{"read off",
          "the code that the network reads off its own output, from the code that made it, over the "
          "mean distance between the styles' mean codes: 0 is the same code"},
@@ -82,31 +83,31 @@ constexpr std::array kGlossary{
          "how far one noise moves a clip in one style, and in another: rank correlation over "
          "noises, mean over pairs of styles"},
     Term{"slope, cosine",
-         "how far the output moves along what is an example's own, its deviation from other "
+         "how far the output moves along an example's own deviation from other "
          "examples of the style: 1 is as far as the example, 0 is a network that uses the label "
          "alone"},
     Term{"halves",
          "distance of the outputs by two halves of one example over that by two examples: below 1 "
-         "where examples are told apart"},
+         "if examples are distinguished"},
     Term{"monotone",
          "pairs of styles between whose mean codes the output never steps back; places on the way "
          "at 1/4, 1/2, 3/4, and the largest step over the mean one"},
     Term{"mixed acts",
          "a clip in which the performer walks, turns, waves and runs without a pause, styled as a "
          "whole by each style's mean code; beside it the same frames, each act styled alone: the "
-         "difference is what acts lose by being in one clip"},
-    Term{"taken for", "what the style judge says of the windows of a style"},
+         "difference is the loss of acts in one clip"},
+    Term{"taken for", "the style judge's results for the windows of a style"},
     Term{"seen after",
          "time from a change of style until the style judge takes the last frames for the new one; "
          "an instant cut: the same where the output changes at once, the judge's own delay; never: "
          "not before the next change"},
-    Term{"p90, p99.9", "what 90 and 99.9 % of all values are at most"},
+    Term{"p90, p99.9", "the bound that 90 and 99.9 % of all values do not exceed"},
     Term{"to blame",
          "share of changes of style, or of clips with the feet stage, in which the largest "
-         "acceleration of a joint is over 1.5 times the input's p99.9 and well over what it is "
+         "acceleration of a joint is over 1.5 times the input's p99.9 and well over its value "
          "without the change or the stage"},
     Term{"turn", "the largest rotation of one joint between two frames, degrees"},
-    Term{"rec off by", "angle between the input and the network's own reconstruction of it"},
+    Term{"error of rec", "angle between the input and the network's own reconstruction of it"},
     Term{"flagged", "share of frames in a posture that is recognized as unlike the training data"},
     Term{"-", "not measured"},
 };

@@ -16,15 +16,15 @@ std::string CommandLine(int argc, char** argv);
 // Writes figures to a file. The error names it.
 Status WriteJson(const nlohmann::json& json, const std::filesystem::path& file);
 
-// What a report was made of, so that another can repeat it: the command, the judges' settings, the
+// The sources of a report, so that it can be repeated: the command, the judges' settings, the
 // weights' hash, and per split the number of clips and frames and a hash of all poses (FNV-1a, 64
 // bit, hexadecimal).
 nlohmann::json Provenance(const std::string& command, const Data& data,
                           const JudgeSettings& settings, const std::filesystem::path& weights);
 void PrintProvenance(const nlohmann::json& provenance);
 
-// What the names of figures mean, in the order in which a report explains them: pairs of term and
-// meaning.
+// The meaning of the figures' names, in the order in which a report explains them: pairs of term
+// and meaning.
 nlohmann::json Glossary();
 void PrintGlossary();
 

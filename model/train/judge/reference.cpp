@@ -25,7 +25,7 @@ Status MeasureAndWriteReference(const std::filesystem::path& manifest,
   const auto reference = train::MeasureReference(set.value().clips, set.value().rate_hz);
   if (!reference) {
     return Status::Error(manifest.string() +
-                         ": expected neutral clips in which somebody stands and walks, found none");
+                         ": expected neutral clips that show standing and walking, found none");
   }
   return WriteReference(*reference, weights);
 }

@@ -12,7 +12,7 @@ namespace styled::judge {
 // the file. Pinned by tests/unit/judge/reference_test.cpp.
 Status WriteReference(const neutral::Reference& reference, const std::filesystem::path& weights);
 
-// Measures that of the training clips of a manifest, and writes it.
+// Measures the reference of a manifest's training clips, and writes it.
 Status MeasureAndWriteReference(const std::filesystem::path& manifest,
                                 const std::filesystem::path& folder,
                                 const std::filesystem::path& weights);

@@ -454,7 +454,7 @@ void Evaluator::Print(const Figures& figures) const {
       others += text;
     }
     if (!others.empty()) {
-      std::printf("%s is taken for%s\n", manifest_.styles[style].name.c_str(), others.c_str());
+      std::printf("%s is mistaken for%s\n", manifest_.styles[style].name.c_str(), others.c_str());
     }
   }
 }

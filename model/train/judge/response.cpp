@@ -131,7 +131,7 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
       };
       const double hardest = largest(live_accelerations);
       accelerations.push_back(hardest / usual);
-      // Two styles that are hard by themselves there excuse the switch.
+      // A switch is excused if the two styles are hard by themselves at that time.
       const double excused =
           std::max({usual, largest(in_force[plan[i - 1]]), largest(in_force[plan[i]])});
       if (hardest > kHard * excused) response.to_blame += 1;

@@ -73,7 +73,7 @@ std::vector<Transferred> Restyle(const Data& data, const Restyler& restyler,
 
 std::function<Target(int input, int style)> TargetsOf(const Data& data, CodeFrom from,
                                                       std::uint64_t seed) {
-  // One number for each input and style, whatever else is asked for.
+  // One number for each input and style, independent of other requests.
   const auto number = [seed](int input, int style) {
     Fnv1a hash;
     for (const int value : {static_cast<int>(seed), input, style}) hash.Number(value);

@@ -24,9 +24,9 @@ std::vector<StyleSpeeds> MeasureSpeeds(const clip::Manifest& manifest,
 
 // Writes them into the styles of a weights file of any family, as walk_mps, run_mps, walk_spm and
 // run_spm (model/net/FORMAT.md), for the stylist's Root::kStride and `stylize --cadence`. Tensors
-// and all other keys stay. Styles that `speeds` lacks keep what they have, and so do figures that
-// are 0; styles that the weights lack are ignored. Replaces `weights` atomically. Errors name the
-// file; a figure that the format does not allow is one.
+// and all other keys stay. Styles that `speeds` lacks keep their figures, and so do styles with
+// figures that are 0; styles that the weights lack are ignored. Replaces `weights` atomically.
+// Errors name the file; a figure that the format does not allow is an error.
 Status WriteSpeeds(std::span<const StyleSpeeds> speeds, const std::filesystem::path& weights);
 
 // Both, for the training clips of a manifest; prints the speeds and cadences.

@@ -16,7 +16,7 @@ struct UnseenFigures {
   Expression network, offset;  // offset: a constant rotation per joint, from the same two clips
   net::NearestStyle nearest;   // to the example's code
 };
-// What a network makes of a clip in the style of a code, and its styles; both at kJudgeRate_hz.
+// A network's output for a clip in the style of a code, and its styles; both at kJudgeRate_hz.
 struct ByCode {
   const net::StyleSpace& space;
   std::function<Poses(const Poses& clip, const net::StyleCode& code)> restyle;

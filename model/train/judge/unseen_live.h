@@ -10,16 +10,17 @@ namespace styled::judge {
 // kSettling frames of the output do not count. Pinned by tests/unit/judge/unseen_test.cpp.
 struct LiveUnseenFigures {
   Expression network, offset;  // of mean poses, as in UnseenFigures
-  // How far the joints' movement about the mean pose (the deviation of each over time) is from the
-  // example's, over how far that of the clip without a style is: 0 like the example, 1 unchanged.
+  // The distance of the joints' movement about the mean pose (the deviation of each over time) from
+  // the example's, divided by the distance of the unstyled clip's: 0 like the example, 1 unchanged.
   double movement = 0, offset_movement = 0;
   double jerk = 0;                               // over the input's
-  double recognized = 0, offset_recognized = 0;  // share of windows taken for `style`, by judges
+  double recognized = 0, offset_recognized = 0;  // share of windows recognized as `style`, by
+                                                 // judges
 };
 inline constexpr std::size_t kSettling = 30;
 
-// `code`: of the network's space. `normal`: the performer's clip without a style that `example`
-// is compared with. `source`: what is restyled. `judges` may be null; else `style` is theirs.
+// `code`: of the network's space. `normal`: the performer's clip without a style that `example` is
+// compared with. `source`: the clip to restyle. `judges` may be null; otherwise `style` is theirs.
 LiveUnseenFigures MeasureLiveUnseen(const ByCode& network, const net::StyleCode& code,
                                     const Poses& source, const Poses& normal, const Poses& example,
                                     const Judges* judges, int style);

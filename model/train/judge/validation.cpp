@@ -50,7 +50,7 @@ Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
   const Data& data = impl_->data;
   const auto styler = LoadAnyStyler(weights, data.manifest, {}, {});
   if (!styler.ok()) return styler.status();
-  // The gate withholds what a network that still reconstructs badly has learnt of styles.
+  // The gate withholds styles from a network that still reconstructs badly.
   stylist::Options options;
   options.limb_gate = false;
   const Figures figures = impl_->evaluator.Measure(

@@ -111,7 +111,7 @@ double HalvesRatio(const LocalClip& first_half, const LocalClip& second_half,
   const double half_cm = Distance_cm(first_half, second_half);
   const double other_cm = Distance_cm(first_half, of_other);
   if (other_cm > 0) return half_cm / other_cm;
-  return half_cm > 0 ? kNotMeasured : 1;  // all outputs are equal: no example is told apart
+  return half_cm > 0 ? kNotMeasured : 1;  // all outputs are equal: no example is distinguished
 }
 
 Interpolation MeasureInterpolation(std::span<const LocalClip> outputs) {

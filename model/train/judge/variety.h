@@ -9,8 +9,8 @@
 
 namespace styled::judge {
 
-// How outputs of one source differ among each other, how they follow an example, and how they pass
-// from one style to another: the measures for networks whose styles are a space of codes (Park et
+// How outputs of one source differ among each other, how they follow an example, and how they
+// change between two styles: the measures for networks whose styles are a space of codes (Park et
 // al. 2021). Pure functions; the recognition of the same outputs must always be reported with them,
 // because variety outside the style is failure. FMD is FrechetDistance of
 // Verdicts::content_features. Pinned by tests/unit/judge/variety_test.cpp.
@@ -37,8 +37,8 @@ Eigen::VectorXd MeanPoseOf(const LocalClip& clip);
 
 // How far outputs move with their references: `reference` is the deviation of an example's mean
 // pose from its style's mean, `output` that of the restyled clip's mean pose from the mean of all
-// outputs in that style. Slope: the least-squares share of the deviation that arrives (1 wanted, 0
-// for a network that uses only the label); cosine: the mean over examples. NaN without examples
+// outputs in that style. Slope: the least-squares share of the deviation that arrives (1 is ideal,
+// 0 for a network that uses only the label); cosine: the mean over examples. NaN without examples
 // that deviate.
 struct Deviation {
   Eigen::VectorXd reference, output;
@@ -49,8 +49,8 @@ struct Following {
 };
 Following MeasureFollowing(std::span<const Deviation> deviations);
 
-// Outputs of two halves of one example over outputs of two examples: below 1 where a network tells
-// examples apart, 1 where all three are equal. NaN if only the latter are.
+// Outputs of two halves of one example over outputs of two examples: below 1 if a network
+// distinguishes examples, 1 if all three are equal. NaN if only the latter are.
 double HalvesRatio(const LocalClip& first_half, const LocalClip& second_half,
                    const LocalClip& of_other);
 

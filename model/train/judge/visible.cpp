@@ -106,7 +106,7 @@ Eigen::VectorXd RealShift(std::span<const train::TrainingClip> clips, int style,
   return shift;
 }
 
-int TellByDirection(const Eigen::VectorXd& shift, std::span<const Eigen::VectorXd> real) {
+int ClassifyByDirection(const Eigen::VectorXd& shift, std::span<const Eigen::VectorXd> real) {
   int nearest = -1;
   double best = -2;
   if (shift.squaredNorm() == 0) return nearest;

@@ -20,7 +20,7 @@ import statistics
 import sys
 
 FIGURES = {'offset': 'baseline', 'offset_per_content': 'baseline_per_content'}
-# What a real or neutral clip scores stands beside every set's own figures.
+# The score of a real or neutral clip stands beside every set's own figures.
 FMD = {'real': 'fmd_real_real', 'neutral': 'fmd_neutral_target'}
 VARIETY = {'noise': 'noise', 'styled': 'examples'}
 JUDGES = {'accuracy': 'content', 'SRA': 'style', 'movement': 'movement', 'legs, pose': 'legs_pose',
@@ -72,7 +72,7 @@ def table(rows):
 
 
 def provenance_of(judged):
-    """What must be the same in all files of a table."""
+    """The values that must be the same in all files of a table."""
     return {part: judged['provenance'][part] for part in SAME}
 
 

@@ -25,7 +25,7 @@ Tensor HalfWay(const Tensor& a, const Tensor& b) {
       a + nearer, torch::nn::functional::NormalizeFuncOptions().dim(-1).eps(1e-6));
 }
 
-// What lies `frames` later in [B, T, ...], between two frames by both; the last frame stays.
+// The values `frames` later in [B, T, ...], interpolated between two frames; the last frame stays.
 Tensor AtLater(const Tensor& sequence, double frames) {
   const int64_t last = sequence.size(1) - 1;
   const auto whole = static_cast<int64_t>(std::floor(frames));

@@ -39,7 +39,7 @@ std::span<float> PlaceOf(std::string_view name, Frame& frame) noexcept {
   return {};
 }
 
-// Reads one part; returns false where its value is not a number. Sets `known` for a known part.
+// Reads one part; returns false if its value is not a number. Sets `known` for a known part.
 bool ReadPart(std::string_view part, Frame& frame, bool& known) noexcept {
   if (const std::size_t mark = part.find('#'); mark != std::string_view::npos) {
     const std::span<float> place = PlaceOf(part.substr(0, mark), frame);

@@ -83,7 +83,7 @@ std::size_t EncodeConnect(const Connect& connect, std::span<std::byte> out) noex
 
 DecodeResult DecodeServerInfo(std::span<const std::byte> payload, ServerInfo& info) noexcept {
   Reader reader(payload);
-  info.name = TextOf(reader.Take(kNameSize));
+  info.name = TextOf(reader.Consume(kNameSize));
   info.application = GetVersion(reader);
   info.natnet = GetVersion(reader);
   info.connection.reset();

@@ -43,7 +43,7 @@ std::size_t Largest(PacketType type) noexcept {
   }
 }
 
-// ASCII alone: no locale decides what QTM says.
+// ASCII only, so that no locale changes how QTM's text is read.
 char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {
@@ -110,7 +110,7 @@ std::string ToString(std::string_view text) {
 
 bool IsGreeting(std::string_view text) noexcept { return StartsWithFolded(text, kGreeting); }
 
-bool TakesVersion(std::string_view text) noexcept {
+bool AcceptsVersion(std::string_view text) noexcept {
   return StartsWithFolded(text, "Version set to");
 }
 

@@ -242,7 +242,7 @@ class FrameReader {
                        [this](Value& value, float& out) { return ReadFloat(value, out); });
   }
 
-  // The same, but what is no float reads as NaN.
+  // The same, but a value that is not a float reads as NaN.
   template <std::size_t kCount>
   bool ReadAny(Value& object, std::array<float, kCount>& values, std::string_view letters,
                bool& all) noexcept {
@@ -264,7 +264,7 @@ class FrameReader {
   int joint_hint_ = 0;
 };
 
-// Writes text until something does not fit.
+// Writes text until a part does not fit.
 class TextWriter {
  public:
   explicit TextWriter(std::span<char> out) noexcept : out_(out) {}

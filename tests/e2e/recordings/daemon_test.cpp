@@ -47,8 +47,8 @@ class DaemonRecordingTest : public RecordingsTest {
     EXPECT_EQ(Run({"play", file_, "--to", "rig=udp://" + daemon.udp, "--to",
                    "tcp=tcp://" + daemon.tcp, "--control", daemon.control, "--speed", speed}),
               0)
-        << said_;
-    EXPECT_EQ(said_.find("refused"), std::string::npos) << said_;
+        << output_;
+    EXPECT_EQ(output_.find("refused"), std::string::npos) << output_;
     EXPECT_TRUE(subscriber.WaitForFrames(expected.udp.size(), kStyled)) << daemon.Log();
     EXPECT_TRUE(subscriber.WaitForFrames(expected.tcp.size(), kStyledTcp)) << daemon.Log();
     return {Digests(subscriber.Frames(kStyled)), Digests(subscriber.Frames(kStyledTcp))};
@@ -168,7 +168,7 @@ TEST_P(RigRecordingTest, IsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
     ASSERT_EQ(Run({"play", file_, "--to", "suit=udp://" + daemon.listens.at(2), "--control",
                    daemon.control, "--speed", speed}),
               0)
-        << said_;
+        << output_;
     ASSERT_TRUE(
         subscriber.WaitFor([&] { return rig_frames(subscriber).size() >= expected.size(); }, 10))
         << rig_frames(subscriber).size() << " of " << expected.size() << daemon.Log();

@@ -1,4 +1,4 @@
-// Fuzzes RestoreCheckpoint: a checkpoint is refused with a reason, or the performer goes on with
+// Fuzzes RestoreCheckpoint: a checkpoint is refused with a reason, or the performer continues with
 // sane frames. The checksum of the state is put right first, so that its content is fuzzed, too.
 #include <google/protobuf/stubs/logging.h>
 

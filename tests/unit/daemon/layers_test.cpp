@@ -110,7 +110,8 @@ TEST(FaceLayer, AFrameFromTheFutureAndASecondPhoneChangeNothing) {
   EXPECT_TRUE(Takes(layer, Frame(other, 1, 8), 600 * kMs)) << "the first is silent";
 }
 
-// What is no face comes from a performer's own protocol; nothing of it may be read beyond its end.
+// Arrays that are not faces come from a performer's own protocol; nothing of it may be read beyond
+// its end.
 TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
   FaceLayer layer;
   const Bytes whole = Encoded({{"jawOpen", 0.5F}}, "/VMC/Thru/a");

@@ -160,7 +160,7 @@ class SlowStageTest : public testing::Test {
     // As the thread does after each turn that read something.
     clock_.now_ns += 1000;
   }
-  // Lets the rigs send for so long.
+  // Lets the rigs send for this long.
   void Run(double seconds) {
     const std::int64_t until_ns = clock_.now_ns + static_cast<std::int64_t>(seconds * 1e9);
     while (clock_.now_ns < until_ns) {

@@ -1,4 +1,4 @@
-// What a performer takes of the memory that the unit limits, and whether the daemon says so.
+// A performer's share of the memory that the unit limits, and the daemon's report of it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -175,7 +175,7 @@ TEST_F(PipelineTest, AFrameThatLeavesAPeriodAfterItsArrivalIsCounted) {
   deliver(9);
   deliver(150);
   EXPECT_EQ(Count(Counter::kPipelineOverBudgetFrames), 2U);
-  EXPECT_EQ(counters_.TakeSources(Counter::kPipelineOverBudgetFrames), 1U);
+  EXPECT_EQ(counters_.ClearSources(Counter::kPipelineOverBudgetFrames), 1U);
   const auto& last = frames().back();
   EXPECT_EQ(last.publish_time_ns() - last.receive_time_ns(), std::uint64_t{150 * kMs});
   Pass(1000);

@@ -550,7 +550,7 @@ TEST_F(PropsOfAClip, AHeldSwordStaysInTheStyledHandAndAChairWhereItStands) {
       EXPECT_LT(drift.cm, 1) << what;
       EXPECT_LT(drift.degrees, 1) << what;
     }
-    // What the dumbest method, the captured pose, would do.
+    // The result of the simplest method, the captured pose.
     float worst_cm = 0, mean_cm = 0;
     for (std::size_t i = 0; i < source.size(); ++i) {
       // Centimetres are the clip's unit.

@@ -29,7 +29,7 @@ TEST(Gait, IsThatOfAWalkOfKnownSteps) {
 
 TEST(Gait, OfAStandingBodyHasNoSteps) {
   std::vector<body::Pose> poses(240);
-  for (std::size_t i = 0; i < poses.size(); ++i) {  // trembling feet pass nobody
+  for (std::size_t i = 0; i < poses.size(); ++i) {  // trembling feet pass no other foot
     const float tremble = 0.01F * std::sin(static_cast<float>(i));
     poses[i].rotations[body::kLeftUpperLeg] = body::Exp(body::Vec3(tremble, 0, 0));
   }

@@ -30,7 +30,7 @@ train::TrainingClip Clip(int style, int content, body::Joint joint, const Vec3& 
 
 TEST(MeasurePostures, IsTheMeanOverTheActsThatNeutralHas) {
   const std::vector<train::TrainingClip> clips{
-      // Whoever bends in an act does so in neutral, too.
+      // A performer who bends in an act does so in neutral, too.
       Clip(0, 0, body::kSpine, Vec3::Zero()),
       Clip(0, 1, body::kSpine, Vec3::Zero(), 0.5F),
       Clip(1, 0, body::kSpine, Vec3(0.2F, 0, 0)),

@@ -34,7 +34,7 @@ TEST(Restyler, GetsClipsAtTheJudgesRateAndReturnsThemAtTheStreams) {
       {"neutral", {}, {}}, {"one", {}, {}}, {"absent", {}, {}}, {"three", {}, {}}};
   data.manifest.contents = {"walk"};
   data.contents = {0, 0};
-  for (const std::size_t frames : {121, 123}) {  // the latter is no whole number of periods
+  for (const std::size_t frames : {121, 123}) {  // the latter is not a whole number of periods
     Poses input(frames);
     for (std::size_t i = 0; i < frames; ++i) {
       input[i].hips_position_m.z() = 0.01F * static_cast<float>(i);
@@ -56,7 +56,7 @@ TEST(Restyler, GetsClipsAtTheJudgesRateAndReturnsThemAtTheStreams) {
   EXPECT_EQ(out[1].style, 3);
 }
 
-// A network whose code is what it was asked for: style, seed, weight and length of each source.
+// A network whose code is the requested one: style, seed, weight and length of each source.
 class Asked final : public net::ClipStylizer {
  public:
   Asked() { model_.styles = {{"neutral", {}}, {"odd", {}}}; }

@@ -146,7 +146,7 @@ TEST_F(UnseenTest, MovementIsMeasuredBesideTheMeanPoseAndWithoutTheBeginning) {
   EXPECT_EQ(none.recognized, 0) << "without judges";
 }
 
-// Notes how it was asked for a code.
+// Stores the requests for a code.
 class Asked final : public ArmNetwork {
  public:
   Asked() : ArmNetwork({}) {}

@@ -47,7 +47,7 @@ train::TrainingClip Clip(int style, int content, std::vector<body::Pose> poses) 
   return clip;
 }
 
-TEST(TellByDirection, ARealStyleIsToldWhoeverShowsIt) {
+TEST(ClassifyByDirection, ARealStyleIsToldWhoeverShowsIt) {
   constexpr int kWalk = 0, kRun = 1;
   const body::Vec3 stoop(0.4F, 0, 0), chin_up(-0.2F, 0, 0);
   std::vector<train::TrainingClip> clips;
@@ -62,7 +62,7 @@ TEST(TellByDirection, ARealStyleIsToldWhoeverShowsIt) {
   EXPECT_EQ(real[2].size(), 0) << "nobody walks in it";
   const auto input = Walk(0.7F, 1.1F, 0.9F);
   const auto told = [&](const std::vector<body::Pose>& output) {
-    return TellByDirection(MeasureShift(input, output), real);
+    return ClassifyByDirection(MeasureShift(input, output), real);
   };
   EXPECT_EQ(told(Turned(input, body::kSpine, 0.3F * stoop)), 0) << "a third of it";
   EXPECT_EQ(told(Turned(input, body::kHead, 2 * chin_up)), 1);

@@ -60,7 +60,7 @@ TEST_F(TakeTest, WithoutFramesItSaysWhatThereIs) {
             "test.styrec: found no frames of styled/rig.a/rig/; it holds: arrivals of source suit "
             "(udp), styled/rig.b/rig/");
   records_.clear();
-  EXPECT_THAT(Read().status().message(), HasSubstr("it holds: nothing of the kind"));
+  EXPECT_THAT(Read().status().message(), HasSubstr("it holds: nothing to export"));
 }
 
 TEST_F(TakeTest, WithoutABodyOrAPoseItSaysSo) {
@@ -125,7 +125,7 @@ TEST_F(TakeTest, APauseOfADayIsShortened) {
   AddBody(body_);
   for (int i = 0; i < 50; ++i) AddFrame(1 + i, 5 + i / 120.0);
   for (int i = 0; i < 50; ++i) AddFrame(51 + i, 3000 + i / 120.0);
-  now_ns_ += 82'000 * kSecond_ns;  // and the clock begins anew
+  now_ns_ += 82'000 * kSecond_ns;  // and the clock restarts
   for (int i = 0; i < 50; ++i) AddFrame(101 + i, i / 120.0);
   const Take take = ReadGood();
   ASSERT_EQ(take.times_s.size(), 150U);

@@ -1,4 +1,4 @@
-// Looks of performers: what leads back to one, and what is remembered of several.
+// Looks of performers: the change that restores one, and the stored looks of several.
 import type { Look, SetInit, Stats } from 'styled-client';
 
 /** How a performer is set: a style, and whether it is pinned. */
@@ -26,12 +26,12 @@ export function sameLook(a: Look, b: Look): boolean {
   return textOf(a) === textOf(b);
 }
 
-/** The same, pinned or not alike. */
+/** The same look, whether pinned or not. */
 export function sameSetting(a: Setting, b: Setting): boolean {
   return a.pinned === b.pinned && sameLook(a.look, b.look);
 }
 
-/** The change that leads to `look` from any other. A preset is set by name if there still is one. */
+/** The change that leads to `look` from any other. A preset is set by name if it still exists. */
 export function changeTo(look: Look, presets: readonly string[], transitionMs: number): SetInit {
   const mix = look.mix.map(({ style, weight }) => ({ style, weight }));
   // Only what the daemon reported is sent: an older one refuses fields that it does not know.

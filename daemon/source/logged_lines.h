@@ -9,19 +9,20 @@
 
 namespace styled::source {
 
-// Which lines about a rig's server were logged, so that each is logged once while the server is
-// there. Pipeline thread. Pinned by tests/unit/qtm and tests/unit/natnet, translator_test.cpp.
-class SaidLines {
+// Remembers which lines about a rig's server were logged, so that each is logged once while the
+// server is connected. Pipeline thread. Pinned by tests/unit/qtm and tests/unit/natnet,
+// translator_test.cpp.
+class LoggedLines {
  public:
-  // Whether a line is new; remembers it. False where there are too many: what a server says may
+  // Whether a line is new; remembers it. False if there are too many, because a server's text may
   // differ each time. Allocates.
   bool Add(const std::string& line) {
     if (lines_.size() >= kMost || std::ranges::find(lines_, line) != lines_.end()) return false;
     lines_.push_back(line);
     return true;
   }
-  // The server is there anew: what it complains of is told again. Of a server that comes and goes
-  // once a minute, so that it fills no log. Frees memory.
+  // Call when the server connects again: its complaints are logged again. For a server that
+  // reconnects every minute this is limited, so that it does not fill a log. Frees memory.
   void Forget(std::int64_t now_ns) {
     if (!lines_.empty() && now_ns - forgot_ns_ < kPause_ns) return;
     forgot_ns_ = now_ns;
