@@ -12,9 +12,9 @@ using runtime::kSecond_ns;
 
 std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
   runtime::HotSection hot;
-  receive_ns_ = on_.clock.Now_ns();
-  wall_ns_ = on_.clock.Wall_ns();
-  on_.counters.Add(Counter::kSourceReceived, batch.frames.size());
+  receive_ns_ = performance_.clock.Now_ns();
+  wall_ns_ = performance_.clock.Wall_ns();
+  performance_.counters.Add(Counter::kSourceReceived, batch.frames.size());
   load_ = {};
   const auto transit = std::span(transit_).first(batch.frames.size());
   for (std::size_t at = 0; at < transit.size(); ++at) {
@@ -22,13 +22,13 @@ std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
     transit[at].given = &batch.frames[at];
     whose_[at] = nullptr;
   }
-  if (Layer* const layer = on_.layers.Of(batch.source)) {
+  if (Layer* const layer = performance_.layers.Of(batch.source)) {
     ProcessLayer(*layer, batch, hot);
-    on_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
+    performance_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
     return transit;
   }
-  const std::int64_t elsewhere_ns = on_.stages.Elsewhere_ns();
-  const std::int64_t styling_ns = on_.stages.Spent_ns(Stages::kStyle);
+  const std::int64_t elsewhere_ns = performance_.stages.Elsewhere_ns();
+  const std::int64_t styling_ns = performance_.stages.Spent_ns(Stages::kStyle);
   // 1 Examine all frames, to find each performer's newest one.
   for (std::size_t at = 0; at < transit.size(); ++at) NoteNewest(batch.source, at);
   // 2 Process them in order and send them. Frames of different performers are styled together.
@@ -41,9 +41,9 @@ std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
       if (transit[at].decision.postponed) continue;
     }
     if (frame.is_body) {
-      const std::int64_t begin_ns = on_.clock.Now_ns();
+      const std::int64_t begin_ns = performance_.clock.Now_ns();
       ProcessBody(batch.source, transit[at]);
-      postponed_.Spend(on_.clock.Now_ns() - begin_ns);
+      postponed_.Spend(performance_.clock.Now_ns() - begin_ns);
     } else {
       hot.Enter();
       ProcessFrame(batch, at, hot);
@@ -51,14 +51,15 @@ std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
   }
   StyleAccepted(hot);
   // 3 Measure how long they took, and log what became of them.
-  MeasureLatencies(batch, on_.SendBundles());
-  for (const auto& performer : on_.roster.performers) performer->newest_in_batch = -1;
-  on_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
-  load_.busy_ns = on_.clock.Now_ns() - receive_ns_;
-  load_.styling_ns = on_.stages.Spent_ns(Stages::kStyle) - styling_ns;
-  on_.overload.Add(load_);
+  MeasureLatencies(batch, performance_.SendBundles());
+  for (const auto& performer : performance_.roster.performers) performer->newest_in_batch = -1;
+  performance_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
+  load_.busy_ns = performance_.clock.Now_ns() - receive_ns_;
+  load_.styling_ns = performance_.stages.Spent_ns(Stages::kStyle) - styling_ns;
+  performance_.overload.Add(load_);
   // kTake gets the part of the batch's time that no other stage accounts for.
-  on_.stages.Add(Stages::kTake, load_.busy_ns - (on_.stages.Elsewhere_ns() - elsewhere_ns));
+  performance_.stages.Add(Stages::kTake,
+                          load_.busy_ns - (performance_.stages.Elsewhere_ns() - elsewhere_ns));
   return transit;
 }
 
@@ -70,8 +71,8 @@ void FrameProcessor::ProcessLayer(Layer& layer, const Batch& batch, runtime::Hot
       continue;
     }
     hot.Enter();
-    const Counter why = layer.Take(frame, receive_ns_);
-    if (why != MergedPart::kTaken) on_.counters.AddOf(batch.source, why);
+    const Counter why = layer.Accept(frame, receive_ns_);
+    if (why != MergedPart::kAccepted) performance_.counters.AddOf(batch.source, why);
   }
   hot.Leave();
 }
@@ -80,23 +81,24 @@ void FrameProcessor::ProcessLayer(Layer& layer, const Batch& batch, runtime::Hot
 void FrameProcessor::AcceptLayerBody(FingerLayer& fingers, int source,
                                      const source::SourceFrame& body) {
   std::string why;
-  const FingerLayer::Body became = fingers.Accept(body, receive_ns_, why);
-  if (became == FingerLayer::Body::kNotNext) return on_.counters.AddOf(source, fingers.why());
+  const FingerLayer::Body became = fingers.AcceptBody(body, receive_ns_, why);
+  if (became == FingerLayer::Body::kNotNext)
+    return performance_.counters.AddOf(source, fingers.why());
   if (became != FingerLayer::Body::kRefused) return;
-  on_.counters.AddOf(source, Counter::kPipelineBodiesRefused);
-  on_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine,
-                   on_.roster.source_names()[static_cast<std::size_t>(source)],
-                   Event::Level::kWarning, "gives no fingers: " + why);
+  performance_.counters.AddOf(source, Counter::kPipelineBodiesRefused);
+  performance_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine,
+                            performance_.roster.source_names()[static_cast<std::size_t>(source)],
+                            Event::Level::kWarning, "gives no fingers: " + why);
 }
 
 void FrameProcessor::NoteNewest(int source, std::size_t at) noexcept {
   const source::SourceFrame& frame = *transit_[at].given;
   if (frame.is_body) return;
-  Performer* const performer = on_.roster.Find(source, frame.performer);
+  Performer* const performer = performance_.roster.Find(source, frame.performer);
   whose_[at] = performer;
   if (performer == nullptr) return;
   // A frame that will not be admitted must not count as newer than one that will.
-  if (!on_.decider.IsPlausible(performer->admission, frame, receive_ns_)) return;
+  if (!performance_.decider.IsPlausible(performer->admission, frame, receive_ns_)) return;
   int& newest = performer->newest_in_batch;
   if (newest >= 0) {  // a later duplicate or old frame is not newer
     const source::SourceFrame& best = *transit_[static_cast<std::size_t>(newest)].given;
@@ -110,12 +112,12 @@ void FrameProcessor::NoteNewest(int source, std::size_t at) noexcept {
 bool FrameProcessor::Postpones(const Batch& batch, const source::SourceFrame& frame, bool behind) {
   if (!frame.is_body) return postponed_.Add(batch.source, frame);
   if (batch.keep_all || !batch.leaders.empty()) return false;
-  const Performer* const performer = on_.roster.Find(batch.source, frame.performer);
+  const Performer* const performer = performance_.roster.Find(batch.source, frame.performer);
   const bool binds = performer == nullptr || !performer->binding().has_body() ||
                      frame.body_crc != performer->binding().crc();
   if (!binds) return false;
   const bool keeps_waiting = std::ranges::any_of(
-      on_.roster.performers, [](const auto& other) { return other->admission.live(); });
+      performance_.roster.performers, [](const auto& other) { return other->admission.live(); });
   if (!behind && (!postponed_.spent() || !keeps_waiting)) return false;
   return postponed_.Add(batch.source, frame);
 }
@@ -138,10 +140,10 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
   FrameInTransit& transit = transit_[at];
   const source::SourceFrame& frame = *transit.given;
   // A body earlier in the batch may have created the performer.
-  if (whose_[at] == nullptr) whose_[at] = on_.roster.Find(batch.source, frame.performer);
+  if (whose_[at] == nullptr) whose_[at] = performance_.roster.Find(batch.source, frame.performer);
   if (whose_[at] == nullptr) {
     transit.decision.reason = Counter::kPipelineBeforeBody;
-    return on_.counters.AddOf(batch.source, transit.decision.reason);
+    return performance_.counters.AddOf(batch.source, transit.decision.reason);
   }
   Performer& performer = *whose_[at];
   // 1 A performer's second frame ends the group that is styled together.
@@ -155,8 +157,8 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
       decision.reason == Decision::kNoReason || decision.fate == v1::FATE_PASSED_OVER;
   if (admitted) performer.latency.rig.NoteFrame(frame.sequence, transit.elapsed_ns);
   if (decision.fate == v1::FATE_PASSED_OVER) {
-    on_.counters.AddOf(batch.source, decision.reason);
-    if (on_.clock.Now_ns() - transit.arrival_ns > performer.latency.rig.period_ns()) {
+    performance_.counters.AddOf(batch.source, decision.reason);
+    if (performance_.clock.Now_ns() - transit.arrival_ns > performer.latency.rig.period_ns()) {
       ++load_.dropped;
     }
     return performer.history.Add(transit);  // not a refusal: the newest frame is sent
@@ -169,10 +171,10 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
     performer.Relieve(decision.relieved);
   }
   // 3 Hand the pose over.
-  if (frame.has_timecode && !on_.roster.config().cues.empty()) {
+  if (frame.has_timecode && !performance_.roster.config().cues.empty()) {
     PassCues(performer, frame.timecode, hot);
   }
-  transit.face = on_.layers.FaceOf(performer.profile.id, frame.face, receive_ns_);
+  transit.face = performance_.layers.FaceOf(performer.profile.id, frame.face, receive_ns_);
   decision.reason = performer.Accept(transit);
   if (decision.reason != Decision::kNoReason) {
     decision.fate = v1::FATE_REFUSED;
@@ -182,13 +184,13 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
   decision.relieved = performer.relieved();
   if (decision.relieved) {
     performer.CountRelieved();
-    on_.counters.AddOf(batch.source, Counter::kPipelineOverloadBypassed);
+    performance_.counters.AddOf(batch.source, Counter::kPipelineOverloadBypassed);
   }
   accepted_at_[accepted_count_] = at;
   accepted_[accepted_count_++] = &performer;
   performer.admission.MarkLive(receive_ns_);
-  on_.counters.Add(Counter::kPipelineFrames);
-  if (decision.late) on_.counters.Add(Counter::kPipelineLate);
+  performance_.counters.Add(Counter::kPipelineFrames);
+  if (decision.late) performance_.counters.Add(Counter::kPipelineLate);
 }
 
 // Styles the group where it is full or has a frame of the performer already.
@@ -206,33 +208,33 @@ Decision FrameProcessor::Decide(const Batch& batch, std::size_t at, Performer& p
                                   .has_body = performer.binding().has_body(),
                                   .body_crc = performer.binding().crc(),
                                   .receive_ns = receive_ns_,
-                                  .now_ns = on_.clock.Now_ns(),
+                                  .now_ns = performance_.clock.Now_ns(),
                                   .newest = performer.newest_in_batch == static_cast<int>(at),
                                   .more_waiting = batch.more_waiting,
                                   .keep_all = batch.keep_all,
                                   .last_send_ns = performer.outputs.last_send_ns()};
-  if (batch.leaders.empty()) return on_.decider.OfFrame(performer.admission, question);
-  return on_.decider.OfFrame(performer.admission, question, batch.leaders[at].decision);
+  if (batch.leaders.empty()) return performance_.decider.OfFrame(performer.admission, question);
+  return performance_.decider.OfFrame(performer.admission, question, batch.leaders[at].decision);
 }
 
 // What a datagram tells of those before it, whatever becomes of it.
 void FrameProcessor::CountArrival(Performer& performer, const Decision& decision) noexcept {
   if (decision.lost > 0) {
-    on_.counters.AddOf(performer.source, Counter::kPipelineLost, decision.lost);
+    performance_.counters.AddOf(performer.source, Counter::kPipelineLost, decision.lost);
   }
   if (decision.restart == v1::RESTART_NONE) return;
   if (decision.restart == v1::RESTART_CLOCK_JUMP) {
-    on_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
+    performance_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
   }
   if (decision.restart == v1::RESTART_RECOUNT) {
-    on_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
+    performance_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
   }
-  on_.counters.Add(Counter::kPipelineSessions);
+  performance_.counters.Add(Counter::kPipelineSessions);
   performer.Restart();
 }
 
 void FrameProcessor::Refuse(Performer& performer, const FrameInTransit& transit) noexcept {
-  on_.counters.AddOf(performer.source, transit.decision.reason);
+  performance_.counters.AddOf(performer.source, transit.decision.reason);
   performer.admission.MarkRefused(transit.decision.reason);
   performer.history.Add(transit);
 }
@@ -257,17 +259,18 @@ void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
   const auto passed = [&](const Cue& cue) {
     return cue.at && Passes(*cue.at, performer.timecode, now);
   };
-  const auto& cues = on_.roster.config().cues;
+  const auto& cues = performance_.roster.config().cues;
   if (std::none_of(cues.begin(), cues.end(), passed)) {
     performer.timecode = now;
     return;
   }
   StyleAccepted(hot);  // the frames before the cue
   std::string said;
-  if (on_.commands.Pass(performer, timecode, said)) {
-    on_.counters.Add(Counter::kPipelineCues);
-    on_.events.LogOf(LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
-                     said + " from frame " + std::to_string(performer.profile.next_sequence));
+  if (performance_.commands.Pass(performer, timecode, said)) {
+    performance_.counters.Add(Counter::kPipelineCues);
+    performance_.events.LogOf(
+        LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
+        said + " from frame " + std::to_string(performer.profile.next_sequence));
   }
   hot.Enter();
 }
@@ -278,23 +281,23 @@ void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
   if (group.empty()) return hot.Leave();
   accepted_count_ = 0;
   hot.Enter();
-  const std::int64_t begin_ns = on_.clock.Now_ns();
+  const std::int64_t begin_ns = performance_.clock.Now_ns();
   std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
   for (std::size_t i = 0; i < group.size(); ++i) jobs[i] = group[i]->Style();
   stylist::Stylist::ProcessTogether(std::span(jobs).first(group.size()));
-  const std::int64_t styled_ns = on_.clock.Now_ns();
+  const std::int64_t styled_ns = performance_.clock.Now_ns();
   for (Performer* const performer : group) performer->Attach();
   for (Performer* const performer : group) ShareProps(*performer);
   for (Performer* const performer : group) performer->Finish(styled_ns);
-  if (!on_.takes.empty()) {
-    for (const Performer* const performer : group) on_.takes.OnFrame(*performer);
+  if (!performance_.takes.empty()) {
+    for (const Performer* const performer : group) performance_.takes.OnFrame(*performer);
   }
   hot.Leave();
-  const std::int64_t serialized_ns = on_.clock.Now_ns();
+  const std::int64_t serialized_ns = performance_.clock.Now_ns();
   std::int64_t sent_ns = serialized_ns;
   for (std::size_t i = 0; i < group.size(); ++i) {
-    group[i]->Send(on_.publisher, on_.bundles, sent_ns);
-    sent_ns = on_.clock.Now_ns();
+    group[i]->Send(performance_.publisher, performance_.bundles, sent_ns);
+    sent_ns = performance_.clock.Now_ns();
     // The performer has filled its copy of the frame; what is lent here is not in it.
     FrameInTransit& transit = transit_[accepted_at_[i]];
     const source::SourceFrame* const given = transit.given;
@@ -307,10 +310,10 @@ void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
     group[i]->history.Add(transit);
   }
   if (logs_poses_) LogPoses(group);
-  on_.stages.AddFrames(group.size());
-  on_.stages.Add(Stages::kStyle, styled_ns - begin_ns);
-  on_.stages.Add(Stages::kSerialize, serialized_ns - styled_ns);
-  on_.stages.Add(Stages::kSend, sent_ns - serialized_ns);
+  performance_.stages.AddFrames(group.size());
+  performance_.stages.Add(Stages::kStyle, styled_ns - begin_ns);
+  performance_.stages.Add(Stages::kSerialize, serialized_ns - styled_ns);
+  performance_.stages.Add(Stages::kSend, sent_ns - serialized_ns);
 }
 
 void FrameProcessor::LogPoses(std::span<Performer* const> performers) {
@@ -328,7 +331,7 @@ void FrameProcessor::LogPoses(std::span<Performer* const> performers) {
 // there twice. It comes and goes where it is let go, and there it is in the same place for all.
 void FrameProcessor::ShareProps(Performer& performer) noexcept {
   if (!performer.shares_props()) return;
-  for (const auto& other : on_.roster.performers) {
+  for (const auto& other : performance_.roster.performers) {
     const bool together = other.get() != &performer && other->source == performer.source;
     if (together && other->admission.live()) performer.LeavePropsTo(*other);
   }
@@ -338,7 +341,7 @@ void FrameProcessor::ShareProps(Performer& performer) noexcept {
 // standby repeats leaves nowhere.
 void FrameProcessor::MeasureLatencies(const Batch& batch, bool bundled) noexcept {
   if (!batch.leaders.empty()) return;
-  const std::int64_t now_ns = on_.clock.Now_ns();
+  const std::int64_t now_ns = performance_.clock.Now_ns();
   for (std::size_t at = 0; at < batch.frames.size(); ++at) {
     FrameInTransit& transit = transit_[at];
     if (transit.sent_ns == 0) continue;
@@ -346,7 +349,7 @@ void FrameProcessor::MeasureLatencies(const Batch& batch, bool bundled) noexcept
     // A new performer later in the batch has cleared the pointers.
     Performer* performer = whose_[at];
     if (performer == nullptr) {
-      performer = on_.roster.Find(batch.source, batch.frames[at].performer);
+      performer = performance_.roster.Find(batch.source, batch.frames[at].performer);
     }
     if (performer == nullptr) continue;
     ++load_.sent;
@@ -354,25 +357,25 @@ void FrameProcessor::MeasureLatencies(const Batch& batch, bool bundled) noexcept
     if (bundled) performer->history.NoteSent(transit.decision.sequence, latency_ns);
     if (!performer->latency.Add(latency_ns)) continue;
     ++load_.late;
-    on_.counters.AddOf(batch.source, Counter::kPipelineOverBudgetFrames);
+    performance_.counters.AddOf(batch.source, Counter::kPipelineOverBudgetFrames);
   }
 }
 
 void FrameProcessor::ProcessBody(int source, FrameInTransit& transit) {
   const source::SourceFrame& body = *transit.given;
-  Performer* performer = on_.roster.Find(source, body.performer);
+  Performer* performer = performance_.roster.Find(source, body.performer);
   const bool fresh = performer == nullptr;
   if (fresh) {
-    performer = on_.roster.Add(source, body.performer, receive_ns_);
+    performer = performance_.roster.Add(source, body.performer, receive_ns_);
     // Another performer may have been replaced, and its frames may still be in this batch.
     whose_.fill(nullptr);
   }
   if (performer == nullptr) {
     transit.decision.reason = Counter::kPipelinePerformersRefused;
-    return on_.counters.AddOf(source, transit.decision.reason);
+    return performance_.counters.AddOf(source, transit.decision.reason);
   }
-  if (fresh) performer->SetFingers(on_.layers.FingersOf(performer->profile.id));
-  transit.decision = on_.decider.OfBody(performer->admission, body, receive_ns_);
+  if (fresh) performer->SetFingers(performance_.layers.FingersOf(performer->profile.id));
+  transit.decision = performance_.decider.OfBody(performer->admission, body, receive_ns_);
   CountArrival(*performer, transit.decision);
   transit.source_sequence = body.sequence;
   transit.arrival_ns = ArrivalOf(body);
@@ -385,34 +388,35 @@ void FrameProcessor::AdoptBody(Performer& performer, FrameInTransit& transit, bo
   const auto complain = [&](const std::string& why) {
     transit.decision.reason = Counter::kPipelineBodiesRefused;
     Refuse(performer, transit);
-    on_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
-                     Event::Level::kWarning, why);
+    performance_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
+                              Event::Level::kWarning, why);
   };
   if (!performer.binding().has_body() || body.body_crc != performer.binding().crc()) {
     if (performer.binding().has_body() && !performer.admission.MayChangeBody(receive_ns_)) {
       return complain(
           "the body changes again and again, expected twice a second at most: the last one stays");
     }
-    const Status status = performer.AcceptBody(body, on_.roster.config());
+    const Status status = performer.AcceptBody(body, performance_.roster.config());
     if (!status.ok()) {
       complain(status.message());
       performer.admission.session_has_body = performer.binding().waits();
-      if (fresh && !performer.binding().waits()) on_.roster.Forget(performer);
+      if (fresh && !performer.binding().waits()) performance_.roster.Forget(performer);
       return;
     }
-    if (!fresh) on_.counters.Add(Counter::kPipelineBodyChanges);
+    if (!fresh) performance_.counters.Add(Counter::kPipelineBodyChanges);
     const std::string hands = performer.HandsWithoutPlace();
-    on_.events.LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id,
-                     hands.empty() ? Event::Level::kInfo : Event::Level::kWarning,
-                     hands.empty() ? "body bound"
-                                   : "body bound; the merged fingers of the " + hands +
-                                         " hand are not shown: the body lacks the hand, or has no "
-                                         "room for more joints");
-    performer.outputs.SendBodies(on_.publisher);
+    performance_.events.LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id,
+                              hands.empty() ? Event::Level::kInfo : Event::Level::kWarning,
+                              hands.empty()
+                                  ? "body bound"
+                                  : "body bound; the merged fingers of the " + hands +
+                                        " hand are not shown: the body lacks the hand, or has no "
+                                        "room for more joints");
+    performer.outputs.SendBodies(performance_.publisher);
     performer.next_body_ns = receive_ns_ + kSecond_ns;
   }
   performer.admission.session_has_body = true;
-  on_.counters.Add(Counter::kPipelineBodies);
+  performance_.counters.Add(Counter::kPipelineBodies);
 }
 
 }  // namespace styled::pipeline

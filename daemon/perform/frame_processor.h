@@ -37,7 +37,7 @@ class FrameProcessor {
   // `logs_poses`: frames in the log carry their styled pose, for a standby to compare.
   // `performance` must outlive it.
   FrameProcessor(Performance& performance, bool logs_poses)
-      : on_(performance), logs_poses_(logs_poses) {}
+      : performance_(performance), logs_poses_(logs_poses) {}
 
   // Returns what became of each frame, valid until the next call. It is in the log already.
   std::span<const decide::FrameInTransit> Process(const Batch& batch);
@@ -72,7 +72,7 @@ class FrameProcessor {
     return frame.arrival_ns == 0 ? receive_ns_ : std::min(frame.arrival_ns, receive_ns_);
   }
 
-  Performance& on_;
+  Performance& performance_;
   const bool logs_poses_;
   std::int64_t receive_ns_ = 0, wall_ns_ = 0;                   // of the current batch, or the last
   std::array<decide::FrameInTransit, source::kBatch> transit_;  // its frames and bodies

@@ -20,26 +20,29 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
                    std::vector<std::unique_ptr<source::Transport>> transports,
                    std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch,
                    int max_subscriptions)
-    : to_(dependencies),
+    : dependencies_(dependencies),
       transports_(std::move(transports)),
-      on_(to_.clock, to_.counters, to_.publisher, to_.mailboxes, std::move(source_names),
-          std::move(config), epoch, max_subscriptions),
-      frames_(on_, to_.standby != nullptr),
-      stats_(to_, on_.roster, on_.layers, transports_, on_.stages, on_.subscriptions),
-      timers_(to_, on_, stats_) {
-  on_.log.Add(to_.recorder);
-  if (to_.standby == nullptr) return;
-  replication_.emplace(*to_.standby, on_, frames_, transports_, to_.mailboxes, *this);
+      performance_(dependencies_.clock, dependencies_.counters, dependencies_.publisher,
+                   dependencies_.mailboxes, std::move(source_names), std::move(config), epoch,
+                   max_subscriptions),
+      frames_(performance_, dependencies_.standby != nullptr),
+      stats_(dependencies_, performance_.roster, performance_.layers, transports_,
+             performance_.stages, performance_.subscriptions),
+      timers_(dependencies_, performance_, stats_) {
+  performance_.log.Add(dependencies_.recorder);
+  if (dependencies_.standby == nullptr) return;
+  replication_.emplace(*dependencies_.standby, performance_, frames_, transports_,
+                       dependencies_.mailboxes, *this);
   replication_->sender().AdvertiseSetup();
 }
 
 void Pipeline::SetLayers(const std::vector<config::Source>& sources) {
-  on_.layers.Set(sources);
+  performance_.layers.Set(sources);
   if (replication_) replication_->sender().AdvertiseSetup(sources);
 }
 
 int Pipeline::DoWork() {
-  const std::int64_t begin_ns = on_.clock.Now_ns();
+  const std::int64_t begin_ns = performance_.clock.Now_ns();
   int work = replication_ ? replication_->DoWork() : 0;
   work += frames_.DoPostponed();
   work += DoSources();
@@ -50,9 +53,9 @@ int Pipeline::DoWork() {
   work += timers_.DoWork(begin_ns, drained, frames_.receive_ns());
   work += DoSubscriptions();
   if (work == 0) return 0;
-  const std::int64_t end_ns = on_.clock.Now_ns();
+  const std::int64_t end_ns = performance_.clock.Now_ns();
   stats_.NoteCycle(end_ns - begin_ns);
-  if (to_.relieves && to_.leads()) BalanceLoad(on_, end_ns);
+  if (dependencies_.relieves && dependencies_.leads()) BalanceLoad(performance_, end_ns);
   return work;
 }
 
@@ -61,7 +64,8 @@ std::int64_t Pipeline::NextDeadline_ns() const {
   for (const auto& transport : transports_) {
     next_ns = std::min(next_ns, transport->NextDeadline_ns());
   }
-  if (to_.standby != nullptr) next_ns = std::min(next_ns, to_.standby->NextDeadline_ns());
+  if (dependencies_.standby != nullptr)
+    next_ns = std::min(next_ns, dependencies_.standby->NextDeadline_ns());
   return next_ns;
 }
 
@@ -89,12 +93,13 @@ void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
 int Pipeline::DoCommands() {
   std::unique_ptr<Exchange> exchange;
   int work = 0;
-  for (; work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange); ++work) {
+  for (; work < kCommandsPerCycle && dependencies_.mailboxes.commands.Pop(exchange); ++work) {
     Perform(std::move(exchange));
   }
-  if (on_.commands.PopChanged()) {
-    auto kept = on_.roster.Snapshot();
-    if (!to_.mailboxes.profiles.Push(std::move(kept))) on_.commands.MarkChanged();
+  if (performance_.commands.PopChanged()) {
+    auto kept = performance_.roster.Snapshot();
+    if (!dependencies_.mailboxes.profiles.Push(std::move(kept)))
+      performance_.commands.MarkChanged();
   }
   return work;
 }
@@ -107,10 +112,11 @@ void Pipeline::Perform(std::unique_ptr<Exchange> exchange) {
     return Return(std::move(exchange));
   }
   if (request.has_like()) {
-    if (!on_.takes.Begin(exchange, on_.roster, on_.clock.Now_ns())) Return(std::move(exchange));
+    if (!performance_.takes.Begin(exchange, performance_.roster, performance_.clock.Now_ns()))
+      Return(std::move(exchange));
     return;
   }
-  if (!PerformRequest(request, transports_, on_, exchange->reply)) {
+  if (!PerformRequest(request, transports_, performance_, exchange->reply)) {
     stats_.Fill(*exchange->reply.mutable_status());
   }
   Return(std::move(exchange));
@@ -119,14 +125,14 @@ void Pipeline::Perform(std::unique_ptr<Exchange> exchange) {
 // Passes on what performers have shown of a style.
 int Pipeline::DoTakes(std::int64_t now_ns) {
   int work = 0;
-  while (!on_.takes.empty()) {
-    std::unique_ptr<Exchange> exchange = on_.takes.Pop(now_ns);
+  while (!performance_.takes.empty()) {
+    std::unique_ptr<Exchange> exchange = performance_.takes.Pop(now_ns);
     if (exchange == nullptr) break;
     ++work;
     if (exchange->reply.code() != v1::CODE_OK) {
       Return(std::move(exchange));
-    } else if (to_.mailboxes.takes.Push(std::move(exchange))) {
-      to_.mailboxes.wake_files.Signal();
+    } else if (dependencies_.mailboxes.takes.Push(std::move(exchange))) {
+      dependencies_.mailboxes.wake_files.Signal();
     } else {
       exchange->reply.set_code(v1::CODE_BUSY);
       exchange->reply.set_reason("like: too many examples are waiting; try again");
@@ -138,30 +144,32 @@ int Pipeline::DoTakes(std::int64_t now_ns) {
 
 // Sends a request with its reply back.
 void Pipeline::Return(std::unique_ptr<Exchange> exchange) {
-  on_.log.OnRequest(on_.clock.Now_ns(), exchange->request, exchange->reply);
-  on_.counters.Add(Counter::kPipelineCommands);
+  performance_.log.OnRequest(performance_.clock.Now_ns(), exchange->request, exchange->reply);
+  performance_.counters.Add(Counter::kPipelineCommands);
   // Never full: the control thread keeps fewer requests in flight than the ring holds.
-  if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
+  if (dependencies_.mailboxes.replies.Push(std::move(exchange)))
+    dependencies_.mailboxes.wake_control.Signal();
 }
 
 std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
-  const bool learned = std::ranges::any_of(on_.roster.performers, [](const auto& performer) {
-    return performer->profile.configured && performer->TellNeutral().has_value();
-  });
-  if (on_.roster.PopChanged() || learned) on_.commands.MarkChanged();
-  return on_.commands.PopChanged() ? on_.roster.Snapshot() : nullptr;
+  const bool learned =
+      std::ranges::any_of(performance_.roster.performers, [](const auto& performer) {
+        return performer->profile.configured && performer->TellNeutral().has_value();
+      });
+  if (performance_.roster.PopChanged() || learned) performance_.commands.MarkChanged();
+  return performance_.commands.PopChanged() ? performance_.roster.Snapshot() : nullptr;
 }
 
 int Pipeline::DoReloads() {
   Reload reload;
-  if (!to_.mailboxes.reloads.Pop(reload)) return 0;
+  if (!dependencies_.mailboxes.reloads.Pop(reload)) return 0;
   if (replication_) replication_->OnReload(reload);
   Exchange* const exchange = reload.exchange.get();  // null: the configuration was read again
   const bool done = exchange != nullptr && exchange->reply.code() == v1::CODE_OK;
   // Looks name styles as the new configuration does before it resolves them.
-  if (done) on_.commands.FollowStyles(exchange->request, exchange->reply);
+  if (done) performance_.commands.FollowStyles(exchange->request, exchange->reply);
   if (reload.config != nullptr) Adopt(std::move(reload.config), exchange == nullptr);
-  if (done) on_.commands.Show(exchange->request, exchange->reply);
+  if (done) performance_.commands.Show(exchange->request, exchange->reply);
   if (exchange == nullptr) {
     if (replication_) replication_->OnConfigRead();
   } else if (exchange->followed) {
@@ -173,36 +181,40 @@ int Pipeline::DoReloads() {
 }
 
 void Pipeline::Adopt(std::shared_ptr<const RuntimeConfig> config, bool reloaded) {
-  on_.Adopt(std::move(config));
+  performance_.Adopt(std::move(config));
   if (replication_) replication_->sender().AdvertiseSetup();
-  if (reloaded) on_.log.OnReload(on_.clock.Now_ns(), on_.roster.config().weights_name);
+  if (reloaded)
+    performance_.log.OnReload(performance_.clock.Now_ns(),
+                              performance_.roster.config().weights_name);
 }
 
 int Pipeline::DoSubscriptions() {
   int work = 0;
-  while (work < kSubscriptionsPerCycle && on_.publisher.NextSubscription(subscription_)) {
+  while (work < kSubscriptionsPerCycle && performance_.publisher.NextSubscription(subscription_)) {
     ++work;
     if (subscription_.subscribe) {
-      on_.subscriptions.Subscribe(subscription_.topic);
+      performance_.subscriptions.Subscribe(subscription_.topic);
     } else {
-      on_.subscriptions.Unsubscribe(subscription_.topic);
+      performance_.subscriptions.Unsubscribe(subscription_.topic);
     }
   }
   if (work == 0) return 0;
-  for (const auto& performer : on_.roster.performers) {
-    if (performer->outputs.Asked()) performer->outputs.SendBodies(on_.publisher);
+  for (const auto& performer : performance_.roster.performers) {
+    if (performer->outputs.Asked()) performer->outputs.SendBodies(performance_.publisher);
   }
   return work;
 }
 
 void Pipeline::OnNote(int source, const std::string& text) {
-  on_.events.Log(Event::Level::kWarning,
-                 on_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
+  performance_.events.Log(
+      Event::Level::kWarning,
+      performance_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
 void Pipeline::OnNews(int source, const std::string& text) {
-  on_.events.Log(Event::Level::kInfo,
-                 on_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
+  performance_.events.Log(
+      Event::Level::kInfo,
+      performance_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
 }  // namespace styled::pipeline

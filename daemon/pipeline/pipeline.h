@@ -41,7 +41,7 @@ class Pipeline final : public Worker, public source::Receiver {
            std::vector<std::unique_ptr<source::Transport>> transports,
            std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch, int max_subscriptions);
   // The settings of the last run. Call before the first DoWork.
-  void Restore(std::vector<Profile> profiles) { on_.roster.Restore(std::move(profiles)); }
+  void Restore(std::vector<Profile> profiles) { performance_.roster.Restore(std::move(profiles)); }
   // The configured sources, of which some are merged into performers. Call before the first DoWork.
   void SetLayers(const std::vector<config::Source>& sources);
   // The configured types, for status. Call before the first DoWork.
@@ -58,7 +58,7 @@ class Pipeline final : public Worker, public source::Receiver {
   void OnFrames(int source, std::span<const source::SourceFrame> frames,
                 bool more_waiting) override;
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override {
-    on_.log.OnArrival(arrival);
+    performance_.log.OnArrival(arrival);
   }
   void OnNote(int source, const std::string& text) override;
   void OnNotice(int source, const std::string& text) override;
@@ -74,9 +74,9 @@ class Pipeline final : public Worker, public source::Receiver {
   void Return(std::unique_ptr<Exchange> exchange);
   void Adopt(std::shared_ptr<const RuntimeConfig> config, bool reloaded);
 
-  const Dependencies to_;
+  const Dependencies dependencies_;
   std::vector<std::unique_ptr<source::Transport>> transports_;
-  Performance on_;
+  Performance performance_;
   FrameProcessor frames_;
   std::optional<standby::Replication> replication_;  // with [standby] only
   Stats stats_;

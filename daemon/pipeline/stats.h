@@ -45,7 +45,7 @@ class Stats {
   void DescribeStandby(v1::StandbyState& state) const;
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
 
-  Dependencies to_;
+  Dependencies dependencies_;
   const Roster& roster_;
   const Layers& layers_;
   const Transports& transports_;

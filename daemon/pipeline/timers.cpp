@@ -30,13 +30,13 @@ std::int64_t ForgottenAt_ns(const Performer& performer, const config::Performers
 
 std::int64_t Timers::NextDeadline_ns(std::int64_t batch_ns) const {
   std::int64_t next_ns = stats_.due_ns();
-  if (!to_.leads()) return next_ns;  // silence is the leader's decision
-  const auto& limits = on_.roster.config().performers;
-  for (const auto& performer : on_.roster.performers) {
+  if (!dependencies_.leads()) return next_ns;  // silence is the leader's decision
+  const auto& limits = performance_.roster.config().performers;
+  for (const auto& performer : performance_.roster.performers) {
     const std::int64_t silent_ns = performer->admission.live() ? StaleAt_ns(*performer, limits)
                                                                : ForgottenAt_ns(*performer, limits);
     next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
-    if (to_.anticipate) next_ns = std::min(next_ns, Prepare_ns(*performer, batch_ns));
+    if (dependencies_.anticipate) next_ns = std::min(next_ns, Prepare_ns(*performer, batch_ns));
   }
   return next_ns;
 }
@@ -46,11 +46,12 @@ std::int64_t Timers::NextDeadline_ns(std::int64_t batch_ns) const {
 std::int64_t Timers::Prepare_ns(const Performer& performer, std::int64_t batch_ns) const {
   const std::int64_t prepare_ns = performer.admission.anticipation.prepare_ns();
   const bool warm = prepare_ns < batch_ns + kStaysWarm_ns;
-  return warm && !to_.polls ? decide::Anticipation::kNever : prepare_ns;
+  return warm && !dependencies_.polls ? decide::Anticipation::kNever : prepare_ns;
 }
 
 bool Timers::Expects(std::int64_t now_ns) const {
-  return to_.anticipate && std::ranges::any_of(on_.roster.performers, [now_ns](const auto& p) {
+  return dependencies_.anticipate &&
+         std::ranges::any_of(performance_.roster.performers, [now_ns](const auto& p) {
            return p->admission.anticipation.Expects(now_ns);
          });
 }
@@ -58,23 +59,23 @@ bool Timers::Expects(std::int64_t now_ns) const {
 // Prewarms only after a pause: while frames keep arriving the caches stay warm by themselves.
 void Timers::Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns) {
   if (!performer.admission.anticipation.Prepare(now_ns)) return;
-  if (!to_.prewarm || now_ns - batch_ns < kStaysWarm_ns) return;
+  if (!dependencies_.prewarm || now_ns - batch_ns < kStaysWarm_ns) return;
   performer.Prewarm();
-  on_.counters.Add(Counter::kPipelinePrewarmed);
+  performance_.counters.Add(Counter::kPipelinePrewarmed);
 }
 
 int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
   int work = 0;
-  if (to_.leads()) {  // a standby does it when the leader does
-    auto& performers = on_.roster.performers;
+  if (dependencies_.leads()) {  // a standby does it when the leader does
+    auto& performers = performance_.roster.performers;
     for (std::size_t i = 0; i < performers.size();) {
       const std::size_t count = performers.size();
-      if (to_.anticipate && drained) Prepare(*performers[i], now_ns, batch_ns);
+      if (dependencies_.anticipate && drained) Prepare(*performers[i], now_ns, batch_ns);
       work += DoPerformer(*performers[i], now_ns, drained);
       if (performers.size() == count) ++i;  // they were not forgotten
     }
     if (silence_.stale_size() + silence_.forgotten_size() > 0) {
-      on_.log.OnSilence(now_ns, silence_);
+      performance_.log.OnSilence(now_ns, silence_);
       silence_.Clear();
     }
   }
@@ -83,18 +84,19 @@ int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
   CheckWallClock();
   stats_.Publish();
   LogCalibrated();
-  on_.roster.Age(now_ns);
-  for (auto& text : on_.roster.PopLog()) on_.events.Log(Event::Level::kInfo, std::move(text));
-  if (on_.roster.PopChanged()) on_.commands.MarkChanged();
+  performance_.roster.Age(now_ns);
+  for (auto& text : performance_.roster.PopLog())
+    performance_.events.Log(Event::Level::kInfo, std::move(text));
+  if (performance_.roster.PopChanged()) performance_.commands.MarkChanged();
   return work + 1;
 }
 
 int Timers::DoPerformer(Performer& performer, std::int64_t now_ns, bool drained) {
-  const auto& limits = on_.roster.config().performers;
+  const auto& limits = performance_.roster.config().performers;
   int work = 0;
   if (drained && performer.admission.live() && now_ns >= StaleAt_ns(performer, limits)) {
     ++work;
-    if (SendStale(on_, performer, now_ns)) {
+    if (SendStale(performance_, performer, now_ns)) {
       v1::Applied& stale = *silence_.add_stale();
       stale.set_performer(performer.profile.id);
       stale.set_first_sequence(performer.profile.next_sequence - 1);
@@ -102,51 +104,52 @@ int Timers::DoPerformer(Performer& performer, std::int64_t now_ns, bool drained)
   }
   LogFacing(performer);
   if (drained && !performer.admission.live() && now_ns >= ForgottenAt_ns(performer, limits)) {
-    on_.events.LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id, Event::Level::kInfo,
-                     "forgotten after silence");
-    on_.counters.Add(Counter::kPipelineForgotten);
+    performance_.events.LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id,
+                              Event::Level::kInfo, "forgotten after silence");
+    performance_.counters.Add(Counter::kPipelineForgotten);
     silence_.add_forgotten(performer.profile.id);
-    on_.roster.Forget(performer);
+    performance_.roster.Forget(performer);
     return work + 1;
   }
   if (now_ns < performer.next_body_ns) return work;
   performer.next_body_ns = now_ns + kSecond_ns;
-  performer.outputs.SendBodies(on_.publisher);
+  performer.outputs.SendBodies(performance_.publisher);
   return work + 1;
 }
 
 void Timers::LogFacing(Performer& performer) {
   if (!performer.FacingChanged()) return;
   const std::string warning = performer.Warning();
-  on_.events.LogOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
-                   warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
-                   warning.empty() ? "walks where the toes point again" : warning);
+  performance_.events.LogOf(LogLimit::Kind::kFacing, {}, performer.profile.id,
+                            warning.empty() ? Event::Level::kInfo : Event::Level::kWarning,
+                            warning.empty() ? "walks where the toes point again" : warning);
 }
 
 // Calibrations of a neutral take seconds; their replies came at the beginning.
 void Timers::LogCalibrated() {
-  for (const auto& performer : on_.roster.performers) {
+  for (const auto& performer : performance_.roster.performers) {
     if (!performer->PopNeutralCalibrated()) continue;
-    on_.commands.MarkChanged();
+    performance_.commands.MarkChanged();
     const bool done = performer->calibrated();
-    on_.events.Log(done ? Event::Level::kInfo : Event::Level::kWarning,
-                   performer->profile.id +
-                       (done ? ": their neutral is calibrated"
-                             : ": hardly stood or walked, so their neutral is not calibrated; it "
-                               "goes on being learned"));
+    performance_.events.Log(
+        done ? Event::Level::kInfo : Event::Level::kWarning,
+        performer->profile.id +
+            (done ? ": their neutral is calibrated"
+                  : ": hardly stood or walked, so their neutral is not calibrated; it "
+                    "goes on being learned"));
   }
 }
 
 // Timecode and motion do not depend on it; what other machines make of the frames' wall times does.
 void Timers::CheckWallClock() {
-  const std::int64_t step_ns = wall_watch_.Look(on_.clock);
+  const std::int64_t step_ns = wall_watch_.Look(performance_.clock);
   if (step_ns == 0) return;
-  on_.counters.Add(Counter::kPipelineWallClockSteps);
+  performance_.counters.Add(Counter::kPipelineWallClockSteps);
   std::array<char, 64> by{};
   std::snprintf(by.data(), by.size(), "%+.3f", static_cast<double>(step_ns) * 1e-9);
-  on_.events.Log(Event::Level::kWarning,
-                 std::string("the wall clock was set by ") + by.data() +
-                     " s, or the machine slept: the frames' wall times follow it");
+  performance_.events.Log(Event::Level::kWarning,
+                          std::string("the wall clock was set by ") + by.data() +
+                              " s, or the machine slept: the frames' wall times follow it");
 }
 
 // A phone or a glove that is switched off is seen nowhere else.
@@ -157,12 +160,12 @@ int Timers::LogLayers(std::int64_t now_ns) {
     const int change = part.Change(now_ns);
     if (change == 0) return;
     ++changes;
-    on_.events.LogOf(kind, {}, layer.into,
-                     change > 0 ? Event::Level::kInfo : Event::Level::kWarning,
-                     "source " + layer.source + (change > 0 ? comes : goes));
+    performance_.events.LogOf(kind, {}, layer.into,
+                              change > 0 ? Event::Level::kInfo : Event::Level::kWarning,
+                              "source " + layer.source + (change > 0 ? comes : goes));
   };
-  for (std::size_t i = 0; i < on_.layers.size(); ++i) {
-    Layer* const layer = on_.layers.Of(static_cast<int>(i));
+  for (std::size_t i = 0; i < performance_.layers.size(); ++i) {
+    Layer* const layer = performance_.layers.Of(static_cast<int>(i));
     if (layer == nullptr) continue;
     if (layer->face) {
       log(*layer, *layer->face, LogLimit::Kind::kFace, " is the face",

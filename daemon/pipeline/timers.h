@@ -16,7 +16,7 @@ class Timers {
  public:
   // All must outlive it.
   Timers(const Dependencies& dependencies, Performance& performance, Stats& stats)
-      : to_(dependencies), on_(performance), stats_(stats) {}
+      : dependencies_(dependencies), performance_(performance), stats_(stats) {}
 
   // Does what is due. `drained`: no source has frames that wait. `batch_ns`: when the last batch
   // was read. Returns how much was done.
@@ -36,8 +36,8 @@ class Timers {
   void LogCalibrated();
   void CheckWallClock();
 
-  const Dependencies to_;
-  Performance& on_;
+  const Dependencies dependencies_;
+  Performance& performance_;
   Stats& stats_;
   v1::Silence silence_;  // of this turn
   runtime::WallWatch wall_watch_;

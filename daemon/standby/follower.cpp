@@ -30,14 +30,14 @@ constexpr std::int64_t kLongestStyle_ns = 500'000'000;
 
 void Follower::OnEntry(v1::Journal& entry, std::int64_t own_ns) {
   if (!awaits_style_ && waiting_.empty()) return Perform(entry, own_ns);
-  waiting_.push_back({{}, own_ns, on_.clock.Now_ns()});
+  waiting_.push_back({{}, own_ns, performance_.clock.Now_ns()});
   waiting_.back().entry.Swap(&entry);
 }
 
 int Follower::DoWaiting(int most) {
   const std::int64_t since_ns = waiting_.empty() ? awaits_since_ns_ : waiting_.front().read_ns;
   const bool waits = awaits_style_ || (!waiting_.empty() && standby_.whole());
-  if (waits && on_.clock.Now_ns() - since_ns >= kLongestStyle_ns) {
+  if (waits && performance_.clock.Now_ns() - since_ns >= kLongestStyle_ns) {
     standby_.Failed("styles change at the leader faster than here");
     styles_.FetchAfterwards();
     awaits_style_ = false;
@@ -101,7 +101,7 @@ void Follower::Perform(const v1::Journal& entry, std::int64_t own_ns) {
 void Follower::OnBeginning(const v1::Journal& entry) {
   if (!standby_.Begin(entry)) return;
   styles_.OnBeginning(entry.beginning());
-  on_.roster.Clear(entry.epoch());
+  performance_.roster.Clear(entry.epoch());
   standby_.configured.clear();
 }
 
@@ -110,29 +110,29 @@ void Follower::OnSettings(const v1::SettingsPart& part) {
   auto kept = pipeline::ParseProfiles(part.text(), "the leader's settings");
   if (!kept.ok()) return standby_.Failed(kept.status().message());
   for (const Profile& profile : kept.value()) standby_.configured.insert(profile.id);
-  on_.roster.Restore(std::move(kept.value()));
+  performance_.roster.Restore(std::move(kept.value()));
   if (!part.last()) return;
   standby_.SettingsRestored(part);
-  on_.commands.MarkChanged();
+  performance_.commands.MarkChanged();
 }
 
 void Follower::OnCheckpoint(const v1::Checkpoint& checkpoint) {
   if (!standby_.fetches()) return;
   const std::string& id = checkpoint.performer();
-  if (id == kJournalSequences) on_.roster.BeginSequencesAt(checkpoint.sequence());
+  if (id == kJournalSequences) performance_.roster.BeginSequencesAt(checkpoint.sequence());
   if (checkpoint.version() == 0) return standby_.Restored(id);
   v1::Request request;
   *request.mutable_restore_checkpoint()->mutable_checkpoint() = checkpoint;
   v1::Reply reply;
-  Performer* const performer =
-      RestoreCheckpoint(request, on_.roster, on_.layers, on_.clock.Now_ns(), reply);
+  Performer* const performer = RestoreCheckpoint(request, performance_.roster, performance_.layers,
+                                                 performance_.clock.Now_ns(), reply);
   if (performer == nullptr) return standby_.Failed(reply.reason());
   performer->profile.configured = standby_.configured.contains(id);
   standby_.Restored(id);
 }
 
 void Follower::OnBatch(const v1::Batch& batch, std::int64_t own_ns) {
-  const auto& names = on_.roster.source_names();
+  const auto& names = performance_.roster.source_names();
   const auto count = static_cast<std::size_t>(batch.frames_size());
   if (batch.source() >= names.size() || names[batch.source()] != batch.name() ||
       count > source::kBatch) {
@@ -157,23 +157,26 @@ void Follower::OnBatch(const v1::Batch& batch, std::int64_t own_ns) {
     if (leaders[i].decision.fate != v1::FATE_STYLED && here[i].decision.fate != v1::FATE_STYLED) {
       continue;
     }
-    if (on_.roster.Find(static_cast<int>(batch.source()), given[i].performer) == nullptr) continue;
+    if (performance_.roster.Find(static_cast<int>(batch.source()), given[i].performer) == nullptr)
+      continue;
     standby_.Compared(log::Compare(here[i], leaders[i]));
   }
 }
 
 void Follower::OnSilence(const v1::Silence& silence, std::int64_t own_ns) {
   for (const v1::Applied& stale : silence.stale()) {
-    Profile* const profile = on_.roster.FindProfile(stale.performer());
-    Performer* const performer = profile == nullptr ? nullptr : on_.roster.LiveOf(*profile);
+    Profile* const profile = performance_.roster.FindProfile(stale.performer());
+    Performer* const performer =
+        profile == nullptr ? nullptr : performance_.roster.LiveOf(*profile);
     if (performer == nullptr) continue;
     profile->next_sequence = stale.first_sequence();
-    SendStale(on_, *performer, own_ns);
+    SendStale(performance_, *performer, own_ns);
   }
   for (const std::string& id : silence.forgotten()) {
-    Profile* const profile = on_.roster.FindProfile(id);
-    Performer* const performer = profile == nullptr ? nullptr : on_.roster.LiveOf(*profile);
-    if (performer != nullptr) on_.roster.Forget(*performer);
+    Profile* const profile = performance_.roster.FindProfile(id);
+    Performer* const performer =
+        profile == nullptr ? nullptr : performance_.roster.LiveOf(*profile);
+    if (performer != nullptr) performance_.roster.Forget(*performer);
     standby_.last.erase(id);
   }
 }
@@ -186,13 +189,13 @@ void Follower::OnRequest(const v1::Request& request) {
     return styles_.Follow(request);
   }
   v1::Reply reply;
-  (void)PerformRequest(request, transports_, on_, reply);
+  (void)PerformRequest(request, transports_, performance_, reply);
   if (reply.code() != v1::CODE_OK) {
     // While the state comes, of a performer whose part of it comes later.
     if (!standby_.fetches()) standby_.Failed(reply.reason());
     return;
   }
-  on_.log.OnRequest(on_.clock.Now_ns(), request, reply);
+  performance_.log.OnRequest(performance_.clock.Now_ns(), request, reply);
 }
 
 }  // namespace styled::standby

@@ -25,7 +25,7 @@ class Follower {
   Follower(Standby& standby, pipeline::Performance& performance, pipeline::FrameProcessor& frames,
            const Transports& transports, StyleFollower& styles)
       : standby_(standby),
-        on_(performance),
+        performance_(performance),
         frames_(frames),
         transports_(transports),
         styles_(styles) {}
@@ -61,7 +61,7 @@ class Follower {
   void OnRequest(const v1::Request& request);
 
   Standby& standby_;
-  pipeline::Performance& on_;
+  pipeline::Performance& performance_;
   pipeline::FrameProcessor& frames_;
   const Transports& transports_;
   StyleFollower& styles_;

@@ -21,20 +21,20 @@ Replication::Replication(Standby& standby, pipeline::Performance& performance,
                          pipeline::FrameProcessor& frames, const Follower::Transports& transports,
                          pipeline::Mailboxes& mailboxes, source::Receiver& to)
     : standby_(standby),
-      on_(performance),
+      performance_(performance),
       frames_(frames),
       mailboxes_(mailboxes),
       to_(to),
       sender_(standby, performance),
       styles_(standby, performance, mailboxes),
       follower_(standby, performance, frames, transports, styles_) {
-  on_.log.Add(&sender_);
+  performance_.log.Add(&sender_);
 }
 
 void Replication::BufferingReceiver::OnFrames(int source,
                                               std::span<const source::SourceFrame> frames,
                                               bool /*more*/) {
-  in_.standby_.held().Add(source, frames, in_.on_.clock.Now_ns());
+  in_.standby_.input().Add(source, frames, in_.performance_.clock.Now_ns());
 }
 
 source::Receiver& Replication::receiver() {
@@ -56,11 +56,11 @@ int Replication::DoWork() {
   styles_.PassOn();
   work += sender_.DoWork();
   if (std::string line = standby_.PopLine(); !line.empty()) {
-    on_.events.Log(Event::Level::kWarning, "standby: " + line);
+    performance_.events.Log(Event::Level::kWarning, "standby: " + line);
   }
   if (std::string complaint = standby_.PopComplaint(); !complaint.empty()) {
-    on_.events.LogOf(pipeline::LogLimit::Kind::kStandby, {}, "standby", Event::Level::kWarning,
-                     complaint);
+    performance_.events.LogOf(pipeline::LogLimit::Kind::kStandby, {}, "standby",
+                              Event::Level::kWarning, complaint);
   }
   return work;
 }
@@ -78,28 +78,28 @@ void Replication::OnChange(Change change) {
   styles_.ForgetPlaces();
   frames_.DropPostponed();
   if (change == Change::kFollow) return standby_.publisher().Hold();
-  standby_.held().Expire(on_.roster.source_names(), on_.clock.Now_ns());
+  standby_.input().Expire(performance_.roster.source_names(), performance_.clock.Now_ns());
   // With a part of the leader's state, those performers go on, in the same epoch.
   const bool goes_on = change == Change::kTakeOver || standby_.has_part();
   const std::size_t resent = standby_.publisher().Release(goes_on);
   goes_on ? ContinueFrames(resent) : ProcessBodies(true);
-  standby_.held().Clear();
-  for (const auto& performer : on_.roster.performers) {
-    performer->outputs.SendBodies(on_.publisher);
-    performer->next_body_ns = on_.clock.Now_ns() + runtime::kSecond_ns;
+  standby_.input().Clear();
+  for (const auto& performer : performance_.roster.performers) {
+    performer->outputs.SendBodies(performance_.publisher);
+    performer->next_body_ns = performance_.clock.Now_ns() + runtime::kSecond_ns;
   }
 }
 
 // The performers' own frames continue behind the last one that the leader handled, and behind
 // `resent` messages that were sent in this turn already.
 void Replication::ContinueFrames(std::size_t resent) {
-  const auto& names = on_.roster.source_names();
+  const auto& names = performance_.roster.source_names();
   std::unordered_map<std::string, std::size_t> from;
-  for (const auto& performer : on_.roster.performers) {
+  for (const auto& performer : performance_.roster.performers) {
     const std::string& id = performer->profile.id;
     const auto last = standby_.last.find(id);
     if (last == standby_.last.end()) continue;  // by its numbers alone
-    const auto place = standby_.held().Find(names, id, last->second);
+    const auto place = standby_.input().Find(names, id, last->second);
     from[id] = place.after;
     if (place.same == nullptr) continue;
     const source::SourceFrame& same = place.same->frame;
@@ -113,25 +113,25 @@ void Replication::ContinueFrames(std::size_t resent) {
 
 // A rig that sends its body once, at the beginning, would be unknown for ever.
 void Replication::ProcessBodies(bool of_all) {
-  for (const auto& [key, held] : standby_.held().bodies()) {
-    if (!of_all && on_.roster.Find(key.first, key.second) != nullptr) continue;
+  for (const auto& [key, held] : standby_.input().bodies()) {
+    if (!of_all && performance_.roster.Find(key.first, key.second) != nullptr) continue;
     (void)frames_.Process({.source = key.first, .frames = {&held->frame, 1}});
   }
 }
 
 void Replication::ProcessBuffered(const std::unordered_map<std::string, std::size_t>& from,
                                   std::size_t resent) {
-  const auto& frames = standby_.held().frames();
-  const auto& names = on_.roster.source_names();
+  const auto& frames = standby_.input().frames();
+  const auto& names = performance_.roster.source_names();
   const auto handled = [&](std::size_t i) {
     const auto found = from.find(names[static_cast<std::size_t>(frames[i]->source)] + "." +
                                  std::string(frames[i]->frame.performer));
     return found != from.end() && i < found->second;
   };
-  std::size_t messages = on_.roster.performers.size();  // their bodies
+  std::size_t messages = performance_.roster.performers.size();  // their bodies
   for (std::size_t i = 0; i < frames.size(); ++i) messages += handled(i) ? 0 : 1;
   // Each on the rig's topic, the canonical one, the source's and those of the outputs.
-  const std::size_t topics = 3 + on_.roster.config().outputs.size();
+  const std::size_t topics = 3 + performance_.roster.config().outputs.size();
   standby_.publisher().MakeRoom(resent + topics * messages);
   std::array<source::SourceFrame, source::kBatch> batch;
   std::size_t count = 0;
@@ -166,7 +166,7 @@ bool Replication::Answers(pipeline::Exchange& exchange) {
   }
   if (!request.has_lead()) return false;
   reply.set_id(request.id());
-  if (const std::string why = standby_.Wish(); !why.empty()) {
+  if (const std::string why = standby_.RequestLead(); !why.empty()) {
     reply.set_code(v1::CODE_NOT_READY);
     reply.set_reason("lead: " + why);
   }

@@ -68,7 +68,7 @@ class Replication {
                        std::size_t resent);
 
   Standby& standby_;
-  pipeline::Performance& on_;
+  pipeline::Performance& performance_;
   pipeline::FrameProcessor& frames_;
   pipeline::Mailboxes& mailboxes_;
   source::Receiver& to_;

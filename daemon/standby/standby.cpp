@@ -108,7 +108,7 @@ Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config
       publisher_(publisher, clock),
       roles_(daemon, config.first, runtime::Nanoseconds(config.hold_s)),
       epoch_(daemon),
-      setup_said_ns_(clock.Now_ns() - kSetupEvery_ns),
+      setup_sent_ns_(clock.Now_ns() - kSetupEvery_ns),
       reconnected_ns_(clock.Now_ns()),
       next_state_ns_(clock.Now_ns() - kStateEvery_ns * (kStatesAtOnce - 1)) {
   publisher_.Hold();
@@ -119,7 +119,7 @@ void Standby::SetSetup(v1::Setup setup) {
   v1::Setting& hold = *setup_.add_settings();
   hold.set_name("standby.hold_ms");
   hold.set_value(NumberText(config_.hold_s * 1000, 3));
-  setup_said_ns_ = Now_ns() - kSetupEvery_ns;
+  setup_sent_ns_ = Now_ns() - kSetupEvery_ns;
   CompareSetups();
 }
 
@@ -289,7 +289,7 @@ Standby::Change Standby::OnTime() {
   const std::int64_t now_ns = Now_ns();
   const bool was_ready = ready();
   const Change change = Note(roles_.OnTime(now_ns, was_ready, whole()));
-  if (change != Change::kNone || now_ns - said_ns_ >= beat_ns_) {
+  if (change != Change::kNone || now_ns - sent_ns_ >= beat_ns_) {
     (void)NewEntry();
     Send(now_ns, clock_.base().Wall_ns());
   }
@@ -304,10 +304,10 @@ Standby::Change Standby::OnTime() {
   return change;
 }
 
-std::string Standby::Wish() {
+std::string Standby::RequestLead() {
   if (leads()) return "";
   if (!ready()) return "this daemon would not go on as the leader does: " + WhyNot();
-  roles_.OnWish();
+  roles_.RequestLead();
   (void)NewEntry();
   Send(Now_ns(), clock_.base().Wall_ns());
   return "";
@@ -326,7 +326,7 @@ bool Standby::wanted() const { return leads() && listens_ && Now_ns() - listened
 
 v1::Journal& Standby::NewEntry() {
   out_.Clear();
-  out_.set_role(roles_.said_role());
+  out_.set_role(roles_.advertised_role());
   return out_;
 }
 
@@ -335,7 +335,7 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   out_.set_version(kVersion);
   out_.set_daemon(daemon_);
   out_.set_epoch(epoch_);
-  out_.set_term(roles_.said_term());
+  out_.set_term(roles_.advertised_term());
   out_.set_first(config_.first);
   out_.set_number(++number_);
   out_.set_now_ns(now_ns);
@@ -343,9 +343,9 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   out_.set_hears(heard_ && sent_ns - heard_ns_ < kHeard_ns ? heard_daemon_ : 0);
   out_.set_hold_ns(static_cast<std::uint64_t>(roles_.hold_ns()));
   if (out_.has_beginning()) too_large_.clear();
-  if (out_.has_beginning() || sent_ns - setup_said_ns_ >= kSetupEvery_ns) {
+  if (out_.has_beginning() || sent_ns - setup_sent_ns_ >= kSetupEvery_ns) {
     *out_.mutable_setup() = setup_;
-    setup_said_ns_ = sent_ns;
+    setup_sent_ns_ = sent_ns;
   }
   out_.SerializeToString(&bytes_);  // which measures it
   if (bytes_.size() > channel_->max_bytes()) {
@@ -353,7 +353,7 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
     out_.SerializeToString(&bytes_);
   }
   channel_->Send(std::as_bytes(std::span(bytes_)));
-  said_ns_ = sent_ns;
+  sent_ns_ = sent_ns;
 }
 
 void Standby::NameTooLarge(std::size_t bytes) {
@@ -373,7 +373,7 @@ int Standby::DoSubscriptions() {
     if (next == Channel::Subscription::kEnded) continue;
     // It listens, although what it says may not come yet. Who has not listened before has not heard
     // the setup.
-    if (!listens_ || now_ns - listened_ns_ >= kHeard_ns) setup_said_ns_ = now_ns - kSetupEvery_ns;
+    if (!listens_ || now_ns - listened_ns_ >= kHeard_ns) setup_sent_ns_ = now_ns - kSetupEvery_ns;
     listened_ns_ = now_ns;
     listens_ = true;
     ++asked_count_;

@@ -13,9 +13,9 @@
 #include "daemon/log/entry.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/standby/buffered_publisher.h"
 #include "daemon/standby/channel.h"
-#include "daemon/standby/held_publisher.h"
-#include "daemon/standby/hold_back.h"
+#include "daemon/standby/input_buffer.h"
 #include "daemon/standby/roles.h"
 #include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/journal.pb.h"
@@ -62,8 +62,8 @@ class Standby {
 
   // For the pipeline, in place of the daemon's own.
   FollowClock& clock() { return clock_; }
-  HeldPublisher& publisher() { return publisher_; }
-  HoldBack& held() { return held_; }
+  BufferedPublisher& publisher() { return publisher_; }
+  InputBuffer& input() { return input_; }
   bool leads() const { return roles_.role() == v1::ROLE_LEADING; }
 
   // Reads the other daemon's next message; false when there is none. `entry` is what the follower
@@ -77,10 +77,10 @@ class Standby {
   bool Next(Step& step);
   // Call once a turn, after Next: what silence decides. Says that this daemon is alive.
   Change OnTime();
-  std::int64_t NextDeadline_ns() const { return said_ns_ + beat_ns_; }
+  std::int64_t NextDeadline_ns() const { return sent_ns_ + beat_ns_; }
   // Somebody wants this daemon to lead. Returns why it cannot, or "": it does so as soon as the
   // leader has said goodbye, or is silent.
-  std::string Wish();
+  std::string RequestLead();
   // Tells the other one that this daemon stops, so that it need not wait.
   void Leave();
 
@@ -160,17 +160,17 @@ class Standby {
   const std::int64_t beat_ns_;  // between signs of life
   std::unique_ptr<Channel> channel_;
   FollowClock clock_;
-  HeldPublisher publisher_;
-  HoldBack held_;
+  BufferedPublisher publisher_;
+  InputBuffer input_;
   Roles roles_;
 
   std::uint64_t epoch_;
   std::uint64_t number_ = 0;  // of the last message that was sent
-  std::int64_t said_ns_ = 0;
+  std::int64_t sent_ns_ = 0;
   v1::Journal out_, in_;
   std::string bytes_;
   v1::Setup setup_, peer_setup_;
-  std::int64_t setup_said_ns_;
+  std::int64_t setup_sent_ns_;
   bool peer_setup_known_ = false;
   std::vector<std::string> differs_;
   std::string too_large_;

@@ -28,7 +28,7 @@ void StateSender::AdvertiseSetup(const std::vector<config::Source>& sources) {
 }
 
 void StateSender::AdvertiseSetup() {
-  standby_.SetSetup(pipeline::SetupOf(on_.roster.config(), source_settings_));
+  standby_.SetSetup(pipeline::SetupOf(performance_.roster.config(), source_settings_));
 }
 
 void StateSender::Clear() {
@@ -46,20 +46,21 @@ int StateSender::DoWork() {
   } else {
     return read;
   }
-  standby_.Send(on_.clock.Now_ns(), on_.clock.Wall_ns());
+  standby_.Send(performance_.clock.Now_ns(), performance_.clock.Wall_ns());
   return read + 1;
 }
 
 void StateSender::SendBeginning() {
   v1::Beginning& beginning = *standby_.NewEntry().mutable_beginning();
   beginning.set_changed(std::exchange(resend_, false));
-  standby_.SetEpoch(on_.roster.epoch());
-  if (on_.roster.to_come.configured) unsent_settings_.push_back(on_.roster.to_come.id);
-  for (const auto& [id, profile] : on_.roster.profiles) {
+  standby_.SetEpoch(performance_.roster.epoch());
+  if (performance_.roster.to_come.configured)
+    unsent_settings_.push_back(performance_.roster.to_come.id);
+  for (const auto& [id, profile] : performance_.roster.profiles) {
     if (profile->configured) unsent_settings_.push_back(id);
   }
   unsent_.push_back({Part::Kind::kSettings, {}});
-  const pipeline::RuntimeConfig& config = on_.roster.config();
+  const pipeline::RuntimeConfig& config = performance_.roster.config();
   const Places places = PlacesOf(config);
   beginning.set_last_place(static_cast<std::uint32_t>(places.last));
   for (std::size_t i = 0; i < places.entries.size(); ++i) {
@@ -97,7 +98,7 @@ void StateSender::SendPart() {
 void StateSender::FillSettings(v1::SettingsPart& part) {
   std::vector<Profile> profiles;
   while (!unsent_settings_.empty() && profiles.size() < kSettingsPerPart) {
-    auto saved = on_.roster.SavedOf(unsent_settings_.front());
+    auto saved = performance_.roster.SavedOf(unsent_settings_.front());
     unsent_settings_.pop_front();
     if (saved) profiles.push_back(std::move(*saved));
   }
@@ -106,7 +107,7 @@ void StateSender::FillSettings(v1::SettingsPart& part) {
   if (!part.last()) return unsent_.push_front({Part::Kind::kSettings, {}});
   unsent_.push_back({Part::Kind::kCheckpoint, kJournalSequences});
   part.add_performers(kJournalSequences);
-  for (const auto& performer : on_.roster.performers) {
+  for (const auto& performer : performance_.roster.performers) {
     unsent_.push_back({Part::Kind::kCheckpoint, performer->profile.id});
     part.add_performers(performer->profile.id);
   }
@@ -114,7 +115,7 @@ void StateSender::FillSettings(v1::SettingsPart& part) {
 
 void StateSender::FillStyle(const std::string& name, v1::StylePart& part) {
   part.set_name(name);
-  const pipeline::RuntimeConfig& config = on_.roster.config();
+  const pipeline::RuntimeConfig& config = performance_.roster.config();
   const auto made = config.made.find(name);
   if (made != config.made.end()) part.set_file(FormatStyleFile(*made->second, config));
 }
@@ -123,26 +124,27 @@ void StateSender::FillStyle(const std::string& name, v1::StylePart& part) {
 void StateSender::FillFading(const Part& from, v1::StylePart& part) {
   part.set_name(from.name);
   part.set_fading(static_cast<std::uint32_t>(from.place));
-  const pipeline::RuntimeConfig& config = on_.roster.config();
+  const pipeline::RuntimeConfig& config = performance_.roster.config();
   const auto found = config.retired.find(config.own_styles + static_cast<int>(from.place));
   if (found != config.retired.end()) part.set_file(FormatStyleFile(*found->second, config));
 }
 
 // Whether a performer's motion still refers to the style of this number.
 bool StateSender::IsNamed(int style) const {
-  return std::ranges::any_of(on_.roster.performers,
+  return std::ranges::any_of(performance_.roster.performers,
                              [style](const auto& performer) { return performer->Names(style); });
 }
 
 void StateSender::FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoint) {
   if (id == kJournalSequences) {
-    checkpoint.set_sequence(on_.roster.FirstSequence());
+    checkpoint.set_sequence(performance_.roster.FirstSequence());
   } else {
     v1::Request request;
     request.set_performer(id);
     request.mutable_take_checkpoint();
     v1::Reply reply;
-    TakeCheckpoint(request, on_.roster, on_.clock.Now_ns(), on_.clock.Wall_ns(), reply);
+    TakeCheckpoint(request, performance_.roster, performance_.clock.Now_ns(),
+                   performance_.clock.Wall_ns(), reply);
     // There is no checkpoint of a performer who is gone or not calibrated yet: the message then has
     // their name alone.
     if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
@@ -162,7 +164,7 @@ void StateSender::OnFrames(int source, std::span<const decide::FrameInTransit> f
   if (!Sends()) return;
   v1::Batch& batch = *standby_.NewEntry().mutable_batch();
   batch.set_source(static_cast<std::uint32_t>(source));
-  batch.set_name(on_.roster.source_names()[static_cast<std::size_t>(source)]);
+  batch.set_name(performance_.roster.source_names()[static_cast<std::size_t>(source)]);
   for (const decide::FrameInTransit& frame : frames) {
     if (!frame.decision.postponed) log::Write(frame, *batch.add_frames());
   }
@@ -172,7 +174,7 @@ void StateSender::OnFrames(int source, std::span<const decide::FrameInTransit> f
 void StateSender::OnSilence(std::int64_t now_ns, const v1::Silence& silence) {
   if (!Sends()) return;
   *standby_.NewEntry().mutable_silence() = silence;
-  standby_.Send(now_ns, on_.clock.Wall_ns());
+  standby_.Send(now_ns, performance_.clock.Wall_ns());
 }
 
 void StateSender::OnRequest(std::int64_t now_ns, const v1::Request& request,
@@ -182,17 +184,17 @@ void StateSender::OnRequest(std::int64_t now_ns, const v1::Request& request,
   v1::Request& entry = *standby_.NewEntry().mutable_request();
   entry = request;
   // A style that was made is handed over as it is, not made again.
-  const pipeline::RuntimeConfig& config = on_.roster.config();
+  const pipeline::RuntimeConfig& config = performance_.roster.config();
   const auto made = config.made.find(reply.like().name());
   if ((request.has_like() || request.has_import_style()) && made != config.made.end()) {
     entry.mutable_import_style()->set_file(FormatStyleFile(*made->second, config));
     entry.mutable_import_style()->set_replace(true);
   }
-  standby_.Send(now_ns, on_.clock.Wall_ns());
+  standby_.Send(now_ns, performance_.clock.Wall_ns());
   const auto shows = pipeline::SetThatShows(request);
   if (!shows || reply.code() != v1::CODE_OK) return;
   *standby_.NewEntry().mutable_request() = *shows;
-  standby_.Send(now_ns, on_.clock.Wall_ns());
+  standby_.Send(now_ns, performance_.clock.Wall_ns());
 }
 
 }  // namespace styled::standby

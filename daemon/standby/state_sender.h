@@ -25,7 +25,7 @@ class StateSender final : public log::Writer {
  public:
   // Both must outlive it.
   StateSender(Standby& standby, pipeline::Performance& performance)
-      : standby_(standby), on_(performance) {}
+      : standby_(standby), performance_(performance) {}
 
   // Sends at most one part of the state, so that no frame waits for all of them. Whoever asks
   // meanwhile waits for the end. Returns how much was done.
@@ -63,7 +63,7 @@ class StateSender final : public log::Writer {
   bool IsNamed(int style) const;
 
   Standby& standby_;
-  pipeline::Performance& on_;
+  pipeline::Performance& performance_;
   bool resend_ = false;
   std::deque<Part> unsent_;
   std::deque<std::string> unsent_settings_;   // ids, of the parts kSettings

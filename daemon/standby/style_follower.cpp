@@ -40,7 +40,7 @@ void StyleFollower::OnBeginning(const v1::Beginning& beginning) {
   }
   theirs.last = static_cast<int>(beginning.last_place());
   const bool all_here = std::ranges::all_of(theirs.entries, [this](const auto& entry) {
-    return entry.retired || on_.roster.config().made.contains(entry.name);
+    return entry.retired || performance_.roster.config().made.contains(entry.name);
   });
   if (!all_here) return;
   theirs_ = std::move(theirs);
@@ -49,7 +49,7 @@ void StyleFollower::OnBeginning(const v1::Beginning& beginning) {
 }
 
 void StyleFollower::ArrangeIfOther() {
-  if (HasPlaces(on_.roster.config(), *theirs_)) return;
+  if (HasPlaces(performance_.roster.config(), *theirs_)) return;
   arrange_ = theirs_;
   fetches_afterwards_ = true;
   PassOn();
@@ -68,7 +68,7 @@ void StyleFollower::OnFading(const v1::StylePart& part) {
   if (!theirs_ || fading_to_come_ == 0 || part.fading() >= theirs_->entries.size()) return;
   --fading_to_come_;
   if (!part.file().empty()) {
-    auto parsed = pipeline::ParseStyleFile(part.file(), kTitle, on_.roster.config());
+    auto parsed = pipeline::ParseStyleFile(part.file(), kTitle, performance_.roster.config());
     if (!parsed.ok()) return standby_.Failed(parsed.status().message());
     theirs_->fading[part.fading()] = std::make_shared<const MadeStyle>(std::move(parsed.value()));
   }
@@ -78,7 +78,7 @@ void StyleFollower::OnFading(const v1::StylePart& part) {
 
 // A style that the leader has made and this daemon perhaps has not: true, then.
 bool StyleFollower::ImportsMissing(const std::string& file) {
-  const pipeline::RuntimeConfig& config = on_.roster.config();
+  const pipeline::RuntimeConfig& config = performance_.roster.config();
   const auto parsed = pipeline::ParseStyleFile(file, kTitle, config);
   if (!parsed.ok()) {
     standby_.Failed(parsed.status().message());

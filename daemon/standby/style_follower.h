@@ -23,7 +23,7 @@ class StyleFollower {
   // All must outlive it.
   StyleFollower(Standby& standby, pipeline::Performance& performance,
                 pipeline::Mailboxes& mailboxes)
-      : standby_(standby), on_(performance), mailboxes_(mailboxes) {}
+      : standby_(standby), performance_(performance), mailboxes_(mailboxes) {}
 
   // The leader's places, which come with the beginning of its state.
   void OnBeginning(const v1::Beginning& beginning);
@@ -51,7 +51,7 @@ class StyleFollower {
   void ArrangeIfOther();
 
   Standby& standby_;
-  pipeline::Performance& on_;
+  pipeline::Performance& performance_;
   pipeline::Mailboxes& mailboxes_;
   std::deque<v1::Request> requests_;         // that wait for room in the mailbox
   std::optional<pipeline::Places> arrange_;  // the leader's places, to be taken over after those

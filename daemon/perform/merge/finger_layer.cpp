@@ -59,10 +59,10 @@ FingerLayer::FingerLayer(const rig::TailSet& wanted, rig::JointNames names,
                          config::Smoothing smoothing)
     : wanted_(wanted), names_(std::move(names)), options_(smoothing) {}
 
-FingerLayer::Body FingerLayer::Accept(const source::SourceFrame& frame, std::int64_t now_ns,
-                                      std::string& why) {
+FingerLayer::Body FingerLayer::AcceptBody(const source::SourceFrame& frame, std::int64_t now_ns,
+                                          std::string& why) {
   why_ = Admit(frame, now_ns);
-  if (why_ != kTaken) return Body::kNotNext;
+  if (why_ != kAccepted) return Body::kNotNext;
   admission_.session_has_body = true;
   if (crc_ == frame.body_crc) return Body::kSame;
   if (!admission_.MayChangeBody(now_ns)) {
@@ -114,9 +114,9 @@ void FingerLayer::HoldBadJoints(Bound& bound) noexcept {
   }
 }
 
-Counter FingerLayer::Take(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
+Counter FingerLayer::Accept(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
   const Counter why = Admit(frame, now_ns);
-  if (why != kTaken) return why;
+  if (why != kAccepted) return why;
   if (!crc_ || (frame.body_crc == 0 && !admission_.session_has_body)) {
     return Counter::kPipelineBeforeBody;
   }
@@ -140,8 +140,8 @@ Counter FingerLayer::Take(const source::SourceFrame& frame, std::int64_t now_ns)
     fingers_[t].rotation = bound.turns[i];
     fingers_[t].fresh = true;
   }
-  MarkTaken(now_ns);
-  return kTaken;
+  MarkAccepted(now_ns);
+  return kAccepted;
 }
 
 void FingerLayer::Advance(std::int64_t step_ns) noexcept {

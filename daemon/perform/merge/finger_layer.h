@@ -37,12 +37,12 @@ class FingerLayer : public MergedPart {
   // what cannot be bound, or has no wanted finger; `why` gets the reason once for each such body,
   // and the fingers fall silent. Not next: an old body, or another sender's; why() tells.
   // `now_ns`: monotonic.
-  Body Accept(const source::SourceFrame& body, std::int64_t now_ns, std::string& why);
+  Body AcceptBody(const source::SourceFrame& body, std::int64_t now_ns, std::string& why);
   runtime::Counter why() const { return why_; }  // what the last body counts as that was not next
-  // Takes a frame over; kTaken, or what it is refused as. A joint that is not tracked, not finite
-  // or of no length keeps its last rotation, and counts as silent.
-  STYLED_REALTIME runtime::Counter Take(const source::SourceFrame& frame,
-                                        std::int64_t now_ns) noexcept;
+  // Takes a frame over; kAccepted, or what it is refused as. A joint that is not tracked, not
+  // finite or of no length keeps its last rotation, and counts as silent.
+  STYLED_REALTIME runtime::Counter Accept(const source::SourceFrame& frame,
+                                          std::int64_t now_ns) noexcept;
 
   // `step_ns` of the performer's time have passed since the last call.
   STYLED_REALTIME void Advance(std::int64_t step_ns) noexcept;
@@ -71,7 +71,7 @@ class FingerLayer : public MergedPart {
   Status Bind(const v1::Body& body);
   STYLED_REALTIME static void HoldBadJoints(Bound& bound) noexcept;
 
-  runtime::Counter why_ = kTaken;
+  runtime::Counter why_ = kAccepted;
   rig::TailSet wanted_;
   rig::JointNames names_;
   config::Smoothing options_;

@@ -15,18 +15,18 @@ FaceLayer::FaceLayer() {
   shown_.reserve(kMaxFace);
 }
 
-Counter FaceLayer::Take(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
+Counter FaceLayer::Accept(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
   if (frame.face.size() > kMaxFace) return Counter::kSourceMalformed;
   const Counter why = Admit(frame, now_ns);
-  if (why != kTaken) return why;
-  MarkTaken(now_ns);
+  if (why != kAccepted) return why;
+  MarkAccepted(now_ns);
   face_.assign(frame.face.begin(), frame.face.end());
-  return kTaken;
+  return kAccepted;
 }
 
 std::span<const std::byte> FaceLayer::Over(std::span<const std::byte> own,
                                            std::int64_t now_ns) noexcept {
-  const std::int64_t age_ns = now_ns - taken_ns();
+  const std::int64_t age_ns = now_ns - accepted_ns();
   if (!any() || age_ns > kHold_ns + kFade_ns + kZero_ns) return own;
   const auto passed_on = source::PassedOn(own);
   if (face_.size() + passed_on.size() > kMaxFace) return own;
@@ -38,12 +38,12 @@ std::span<const std::byte> FaceLayer::Over(std::span<const std::byte> own,
 }
 
 // Face and fingers may come in frames of their own, each with its own count (source/rigs/vmc.h).
-Counter Layer::Take(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
-  Counter why = MergedPart::kTaken;
-  if (face && !frame.face.empty()) why = face->Take(frame, now_ns);
+Counter Layer::Accept(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
+  Counter why = MergedPart::kAccepted;
+  if (face && !frame.face.empty()) why = face->Accept(frame, now_ns);
   if (fingers && !frame.rotations.empty()) {
-    const Counter fingers_why = fingers->Take(frame, now_ns);
-    if (why == MergedPart::kTaken) why = fingers_why;
+    const Counter fingers_why = fingers->Accept(frame, now_ns);
+    if (why == MergedPart::kAccepted) why = fingers_why;
   }
   return why;
 }

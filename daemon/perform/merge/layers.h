@@ -25,9 +25,9 @@ class FaceLayer : public MergedPart {
   static constexpr std::int64_t kZero_ns = 1'000'000'000;
 
   FaceLayer();
-  // Takes a frame's face over; kTaken, or what it is refused as. `now_ns`: monotonic.
-  STYLED_REALTIME runtime::Counter Take(const source::SourceFrame& frame,
-                                        std::int64_t now_ns) noexcept;
+  // Takes a frame's face over; kAccepted, or what it is refused as. `now_ns`: monotonic.
+  STYLED_REALTIME runtime::Counter Accept(const source::SourceFrame& frame,
+                                          std::int64_t now_ns) noexcept;
   // What is shown instead of `own`: the layer's expressions and what `own` passes on unread; valid
   // until the next call. `own` itself where the layer has no face.
   STYLED_REALTIME std::span<const std::byte> Over(std::span<const std::byte> own,
@@ -43,10 +43,10 @@ struct Layer {
   std::optional<FaceLayer> face;
   std::optional<FingerLayer> fingers;
 
-  // Takes over what the frame has of the parts; kTaken, or what it is refused as. A frame that has
-  // nothing of them is ignored.
-  STYLED_REALTIME runtime::Counter Take(const source::SourceFrame& frame,
-                                        std::int64_t now_ns) noexcept;
+  // Takes over what the frame has of the parts; kAccepted, or what it is refused as. A frame that
+  // has nothing of them is ignored.
+  STYLED_REALTIME runtime::Counter Accept(const source::SourceFrame& frame,
+                                          std::int64_t now_ns) noexcept;
 };
 
 // The layers of all sources. Where two sources give the same part of one performer, the first that

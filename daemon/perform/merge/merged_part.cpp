@@ -5,7 +5,7 @@ namespace styled::pipeline {
 using runtime::Counter;
 
 int MergedPart::Change(std::int64_t now_ns) noexcept {
-  const bool shown = any_ && now_ns - taken_ns_ <= kHold_ns + kFade_ns;
+  const bool shown = any_ && now_ns - accepted_ns_ <= kHold_ns + kFade_ns;
   return std::exchange(told_, shown) == shown ? 0 : shown ? 1 : -1;
 }
 
@@ -33,7 +33,7 @@ Counter MergedPart::Admit(const source::SourceFrame& frame, std::int64_t now_ns)
     case decide::Session::Arrival::kNext:
       break;
   }
-  return kTaken;
+  return kAccepted;
 }
 
 }  // namespace styled::pipeline

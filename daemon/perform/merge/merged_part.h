@@ -21,23 +21,25 @@ class MergedPart {
   static constexpr std::int64_t kHold_ns = 500'000'000;
   static constexpr std::int64_t kFade_ns = 500'000'000;
   // A frame that was taken over.
-  static constexpr auto kTaken = runtime::Counter::kCount;
+  static constexpr auto kAccepted = runtime::Counter::kCount;
 
   // Whether a frame came in the last kHold_ns. Times are on the daemon's monotonic clock.
-  bool Live(std::int64_t now_ns) const noexcept { return any_ && now_ns - taken_ns_ <= kHold_ns; }
+  bool Live(std::int64_t now_ns) const noexcept {
+    return any_ && now_ns - accepted_ns_ <= kHold_ns;
+  }
   // Whether it came, 1, or fell silent, -1, since the last call; 0: neither.
   STYLED_REALTIME int Change(std::int64_t now_ns) noexcept;
 
  protected:
   MergedPart() { performer_.reserve(kLongestName); }
-  // Whether a frame or body is the next one: kTaken, or what it is refused as.
+  // Whether a frame or body is the next one: kAccepted, or what it is refused as.
   STYLED_REALTIME runtime::Counter Admit(const source::SourceFrame& frame,
                                          std::int64_t now_ns) noexcept;
-  STYLED_REALTIME void MarkTaken(std::int64_t now_ns) noexcept {
+  STYLED_REALTIME void MarkAccepted(std::int64_t now_ns) noexcept {
     any_ = true;
-    taken_ns_ = now_ns;
+    accepted_ns_ = now_ns;
   }
-  std::int64_t taken_ns() const { return taken_ns_; }
+  std::int64_t accepted_ns() const { return accepted_ns_; }
   bool any() const { return any_; }
 
   static constexpr decide::SessionRules kRules{kHold_ns, 1'000'000'000};
@@ -47,7 +49,7 @@ class MergedPart {
   static constexpr std::size_t kLongestName = 32;  // config::IsName
 
   bool any_ = false, told_ = false;
-  std::int64_t taken_ns_ = 0;
+  std::int64_t accepted_ns_ = 0;
   std::string performer_;  // of the source, whose frames are taken
 };
 

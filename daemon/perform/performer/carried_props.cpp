@@ -22,7 +22,7 @@ CarriedProps::CarriedProps(const BoundBody& body, const config::PropHands& hands
   bytes_.reserve(kMaxPropBytes);
 }
 
-std::size_t CarriedProps::Take(std::span<const std::byte> encoded, bool of_the_scene) noexcept {
+std::size_t CarriedProps::Accept(std::span<const std::byte> encoded, bool of_the_scene) noexcept {
   bytes_.assign(encoded.begin(), encoded.end());
   source::ReadProps(bytes_, frame_);
   of_the_scene_ = of_the_scene;
@@ -39,7 +39,7 @@ std::size_t CarriedProps::Take(std::span<const std::byte> encoded, bool of_the_s
   return frame_.left_out;
 }
 
-void CarriedProps::TakeUnfiltered(const rig::RigPose& received) noexcept {
+void CarriedProps::AcceptUnfiltered(const rig::RigPose& received) noexcept {
   if (empty()) return;
   std::copy(received.translations.begin(), received.translations.end(),
             unfiltered_.translations.begin());

@@ -40,10 +40,11 @@ class CarriedProps {
   CarriedProps(const BoundBody& body, const config::PropHands& hands);
 
   // Takes over a frame's props and returns how many were left out (source::ReadProps).
-  STYLED_REALTIME std::size_t Take(std::span<const std::byte> encoded, bool of_the_scene) noexcept;
+  STYLED_REALTIME std::size_t Accept(std::span<const std::byte> encoded,
+                                     bool of_the_scene) noexcept;
   // Call after Take where the pose is filtered afterwards, with the pose as received: what a hand
   // holds follows the filtered hand.
-  STYLED_REALTIME void TakeUnfiltered(const rig::RigPose& received) noexcept;
+  STYLED_REALTIME void AcceptUnfiltered(const rig::RigPose& received) noexcept;
   // Finds who holds what; call after the stylist, with `out` in the binding's axes.
   STYLED_REALTIME void Attach(const stylist::Output& out) noexcept;
   // Leaves out what `other`, a performer of the same scene, holds and this one does not.

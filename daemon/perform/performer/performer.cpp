@@ -178,10 +178,10 @@ runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexce
   const source::SourceFrame& frame = *transit.given;
   if (!binding_.Receive(frame, transit.receive_ns)) return runtime::Counter::kPipelineWrongSize;
   if (!styling_) return runtime::Counter::kPipelineUncalibrated;
-  if (const std::size_t left_out = props_->Take(frame.props, frame.scene_props); left_out > 0) {
+  if (const std::size_t left_out = props_->Accept(frame.props, frame.scene_props); left_out > 0) {
     counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
   }
-  if (smoothing_.active()) props_->TakeUnfiltered(binding_.received());
+  if (smoothing_.active()) props_->AcceptUnfiltered(binding_.received());
   smoothing_.Apply(binding_.received(), transit.elapsed_ns);
   styling_->SetInput(binding_.received());
   fingers_.Apply(transit.elapsed_ns, styling_->in());

@@ -1,4 +1,4 @@
-#include "daemon/standby/hold_back.h"
+#include "daemon/standby/input_buffer.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -22,9 +22,9 @@ std::uint32_t PoseCrc(const source::SourceFrame& frame) noexcept {
   return Crc32c(frame.rotations) ^ ((root << 1U) | (root >> 31U));
 }
 
-std::unique_ptr<HoldBack::Held> HoldBack::Keep(int source, const source::SourceFrame& frame,
-                                               std::int64_t now_ns) {
-  auto held = free_.empty() ? std::make_unique<Held>() : std::move(free_.back());
+std::unique_ptr<InputBuffer::Frame> InputBuffer::Keep(int source, const source::SourceFrame& frame,
+                                                      std::int64_t now_ns) {
+  auto held = free_.empty() ? std::make_unique<Frame>() : std::move(free_.back());
   if (!free_.empty()) free_.pop_back();
   held->source = source;
   held->at_ns = now_ns;
@@ -33,7 +33,8 @@ std::unique_ptr<HoldBack::Held> HoldBack::Keep(int source, const source::SourceF
   return held;
 }
 
-void HoldBack::Add(int source, std::span<const source::SourceFrame> frames, std::int64_t now_ns) {
+void InputBuffer::Add(int source, std::span<const source::SourceFrame> frames,
+                      std::int64_t now_ns) {
   for (const source::SourceFrame& frame : frames) {
     if (frame.is_body) {
       const std::pair key(source, std::string(frame.performer));
@@ -46,7 +47,7 @@ void HoldBack::Add(int source, std::span<const source::SourceFrame> frames, std:
   DropOld(now_ns);
 }
 
-void HoldBack::DropOld(std::int64_t now_ns) {
+void InputBuffer::DropOld(std::int64_t now_ns) {
   while (!frames_.empty() &&
          (frames_.size() > kMost || now_ns - frames_.front()->at_ns > kKeep_ns)) {
     frames_.front()->frame.body.reset();
@@ -55,7 +56,7 @@ void HoldBack::DropOld(std::int64_t now_ns) {
   }
 }
 
-void HoldBack::Expire(const std::vector<std::string>& source_names, std::int64_t now_ns) {
+void InputBuffer::Expire(const std::vector<std::string>& source_names, std::int64_t now_ns) {
   DropOld(now_ns);
   std::erase_if(bodies_, [&](const auto& body) {
     const std::string& source = source_names[static_cast<std::size_t>(body.first.first)];
@@ -65,33 +66,33 @@ void HoldBack::Expire(const std::vector<std::string>& source_names, std::int64_t
   });
 }
 
-void HoldBack::Clear() {
+void InputBuffer::Clear() {
   frames_.clear();
   bodies_.clear();
   free_.clear();
 }
 
-bool HoldBack::IsOf(const Held& held, const std::vector<std::string>& source_names,
-                    std::string_view id) {
+bool InputBuffer::IsOf(const Frame& held, const std::vector<std::string>& source_names,
+                       std::string_view id) {
   const std::string& source = source_names[static_cast<std::size_t>(held.source)];
   return id.size() == source.size() + 1 + held.frame.performer.size() && id.starts_with(source) &&
          id.ends_with(held.frame.performer);
 }
 
-std::int64_t HoldBack::LastOf(const std::vector<std::string>& source_names,
-                              std::string_view id) const {
+std::int64_t InputBuffer::LastOf(const std::vector<std::string>& source_names,
+                                 std::string_view id) const {
   const auto last = std::find_if(frames_.rbegin(), frames_.rend(),
                                  [&](const auto& held) { return IsOf(*held, source_names, id); });
   return last == frames_.rend() ? std::numeric_limits<std::int64_t>::min() : (*last)->at_ns;
 }
 
-HoldBack::Place HoldBack::Find(const std::vector<std::string>& source_names, std::string_view id,
-                               const LastHandled& last) const {
+InputBuffer::Place InputBuffer::Find(const std::vector<std::string>& source_names,
+                                     std::string_view id, const LastHandled& last) const {
   Place by_number, by_pose, by_time;
   std::int64_t nearest_ns = std::numeric_limits<std::int64_t>::max();
   bool numbered = false;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    const Held& held = *frames_[i];
+    const Frame& held = *frames_[i];
     if (!IsOf(held, source_names, id)) continue;
     if (held.frame.session == last.session) {
       numbered = true;

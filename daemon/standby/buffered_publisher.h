@@ -16,13 +16,13 @@ namespace styled::standby {
 // A standby's publisher: it keeps the last messages instead of sending them, until the standby
 // leads. It sends them then: the leader may have died with the same ones in its queues. Subscribers
 // drop those that they have by epoch and sequence. Pipeline thread.
-class HeldPublisher final : public publish::Publisher {
+class BufferedPublisher final : public publish::Publisher {
  public:
   // What a leader that is killed takes with it has lain in its queues for some milliseconds.
   static constexpr std::int64_t kKeep_ns = 150'000'000;
   static constexpr std::size_t kMost = 8192;
 
-  HeldPublisher(publish::Publisher& to, const runtime::Clock& clock) : to_(to), clock_(clock) {}
+  BufferedPublisher(publish::Publisher& to, const runtime::Clock& clock) : to_(to), clock_(clock) {}
 
   void Send(std::string_view topic, std::span<const std::byte> payload) noexcept override;
   bool NextSubscription(publish::SubscriptionEvent& event) override {

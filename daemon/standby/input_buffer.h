@@ -26,10 +26,10 @@ struct LastHandled {
 STYLED_REALTIME std::uint32_t PoseCrc(const source::SourceFrame& frame) noexcept;
 
 // Keeps what the rigs send to a standby, for the moment at which it goes on alone. Pipeline thread.
-// Pinned by tests/unit/standby/hold_back_test.cpp.
-class HoldBack {
+// Pinned by tests/unit/standby/input_buffer_test.cpp.
+class InputBuffer {
  public:
-  struct Held {
+  struct Frame {
     int source = 0;
     std::int64_t at_ns = 0;
     source::SourceFrame frame;
@@ -46,9 +46,9 @@ class HoldBack {
   void Clear();
   // Drops what is older than kKeep_ns, and the bodies of those who have sent nothing since.
   void Expire(const std::vector<std::string>& source_names, std::int64_t now_ns);
-  const std::deque<std::unique_ptr<Held>>& frames() const { return frames_; }
+  const std::deque<std::unique_ptr<Frame>>& frames() const { return frames_; }
   // The newest body of each performer, by source and name.
-  const std::map<std::pair<int, std::string>, std::unique_ptr<Held>>& bodies() const {
+  const std::map<std::pair<int, std::string>, std::unique_ptr<Frame>>& bodies() const {
     return bodies_;
   }
   // When the last frame of a performer came; nothing within kKeep_ns: INT64_MIN.
@@ -59,7 +59,7 @@ class HoldBack {
   // Rigs whose protocol has no session and numbers get these from each daemon on its own, so the
   // frame is found by its numbers, or else by its pose, or else by its time.
   struct Place {
-    const Held* same = nullptr;
+    const Frame* same = nullptr;
     std::size_t after = 0;
   };
   Place Find(const std::vector<std::string>& source_names, std::string_view id,
@@ -68,13 +68,13 @@ class HoldBack {
  private:
   static constexpr std::size_t kUsualBytes = 2048;
   void DropOld(std::int64_t now_ns);
-  std::unique_ptr<Held> Keep(int source, const source::SourceFrame& frame, std::int64_t now_ns);
-  static bool IsOf(const Held& held, const std::vector<std::string>& source_names,
+  std::unique_ptr<Frame> Keep(int source, const source::SourceFrame& frame, std::int64_t now_ns);
+  static bool IsOf(const Frame& held, const std::vector<std::string>& source_names,
                    std::string_view id);
 
-  std::deque<std::unique_ptr<Held>> frames_;  // without bodies, oldest first
-  std::map<std::pair<int, std::string>, std::unique_ptr<Held>> bodies_;
-  std::vector<std::unique_ptr<Held>> free_;
+  std::deque<std::unique_ptr<Frame>> frames_;  // without bodies, oldest first
+  std::map<std::pair<int, std::string>, std::unique_ptr<Frame>> bodies_;
+  std::vector<std::unique_ptr<Frame>> free_;
 };
 
 }  // namespace styled::standby

@@ -1,6 +1,6 @@
 // What a standby keeps of its rigs' data, and where a performer's own frames continue behind the
 // leader's last one.
-#include "daemon/standby/hold_back.h"
+#include "daemon/standby/input_buffer.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kMilli = 1'000'000;
 const std::vector<std::string> kSources{"suit", "stage"};
 
-class HoldBackTest : public testing::Test {
+class InputBufferTest : public testing::Test {
  protected:
   // A frame whose pose is `pose` in every number.
   void Add(std::int64_t now_ns, std::uint64_t session, std::uint64_t sequence, float pose,
@@ -40,10 +40,10 @@ class HoldBackTest : public testing::Test {
     return last;
   }
   std::array<float, 23> numbers{};
-  HoldBack held;
+  InputBuffer held;
 };
 
-TEST_F(HoldBackTest, FramesAreFoundByTheirNumbers) {
+TEST_F(InputBufferTest, FramesAreFoundByTheirNumbers) {
   for (int i = 0; i < 10; ++i) Add(i * 8 * kMilli, 7, 100 + static_cast<std::uint64_t>(i), 1);
   const auto place = held.Find(kSources, "suit.a", Last(7, 104, 1, 900 * kMilli));
   ASSERT_NE(place.same, nullptr);
@@ -51,7 +51,7 @@ TEST_F(HoldBackTest, FramesAreFoundByTheirNumbers) {
   EXPECT_EQ(place.after, 5U);
 }
 
-TEST_F(HoldBackTest, ALastFrameThatNeverReachedTheStandbyLeavesThoseBehindIt) {
+TEST_F(InputBufferTest, ALastFrameThatNeverReachedTheStandbyLeavesThoseBehindIt) {
   for (const std::uint64_t sequence : {100U, 101U, 103U, 104U}) Add(0, 7, sequence, 1);
   const auto place = held.Find(kSources, "suit.a", Last(7, 102, 1, 0));
   EXPECT_EQ(place.same, nullptr);
@@ -60,7 +60,7 @@ TEST_F(HoldBackTest, ALastFrameThatNeverReachedTheStandbyLeavesThoseBehindIt) {
   EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 200, 1, 0)).after, 4U);
 }
 
-TEST_F(HoldBackTest, WithOtherNumbersTheyAreFoundByThePose) {
+TEST_F(InputBufferTest, WithOtherNumbersTheyAreFoundByThePose) {
   for (int i = 0; i < 10; ++i) {
     Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
   }
@@ -70,19 +70,19 @@ TEST_F(HoldBackTest, WithOtherNumbersTheyAreFoundByThePose) {
   EXPECT_EQ(place.after, 7U);
 }
 
-TEST_F(HoldBackTest, OfAPerformerWhoStandsStillTheNearestInTimeCounts) {
+TEST_F(InputBufferTest, OfAPerformerWhoStandsStillTheNearestInTimeCounts) {
   for (int i = 0; i < 10; ++i) Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), 1);
   EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 1, 33 * kMilli)).after, 5U);
 }
 
-TEST_F(HoldBackTest, APoseThatIsNotThereIsPlacedByItsTime) {
+TEST_F(InputBufferTest, APoseThatIsNotThereIsPlacedByItsTime) {
   for (int i = 0; i < 10; ++i) {
     Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
   }
   EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 77, 41 * kMilli)).after, 6U);
 }
 
-TEST_F(HoldBackTest, NobodyElsesFramesCount) {
+TEST_F(InputBufferTest, NobodyElsesFramesCount) {
   Add(0, 7, 1, 1, 0, "ab");
   Add(0, 7, 2, 1, 1, "a");
   Add(0, 7, 3, 1, 0, "a");
@@ -93,15 +93,15 @@ TEST_F(HoldBackTest, NobodyElsesFramesCount) {
   EXPECT_EQ(held.LastOf(kSources, "stage.b"), std::numeric_limits<std::int64_t>::min());
 }
 
-TEST_F(HoldBackTest, ItKeepsASecondAndNoMoreThanItsBound) {
+TEST_F(InputBufferTest, ItKeepsASecondAndNoMoreThanItsBound) {
   for (int i = 0; i < 300; ++i) Add(i * 8 * kMilli, 7, static_cast<std::uint64_t>(i), 1);
   EXPECT_LE(held.frames().size(), 127U);
   EXPECT_EQ(held.frames().back()->frame.sequence, 299U);
   for (int i = 0; i < 20'000; ++i) Add(2'400 * kMilli, 7, static_cast<std::uint64_t>(i), 1);
-  EXPECT_EQ(held.frames().size(), HoldBack::kMost);
+  EXPECT_EQ(held.frames().size(), InputBuffer::kMost);
 }
 
-TEST_F(HoldBackTest, TheNewestBodyOfEachPerformerStays) {
+TEST_F(InputBufferTest, TheNewestBodyOfEachPerformerStays) {
   const std::array<std::byte, 3> bytes{std::byte{1}, std::byte{2}, std::byte{3}};
   for (int i = 0; i < 2000; ++i) {
     source::SourceFrame body;

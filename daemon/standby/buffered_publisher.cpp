@@ -1,8 +1,8 @@
-#include "daemon/standby/held_publisher.h"
+#include "daemon/standby/buffered_publisher.h"
 
 namespace styled::standby {
 
-void HeldPublisher::Send(std::string_view topic, std::span<const std::byte> payload) noexcept {
+void BufferedPublisher::Send(std::string_view topic, std::span<const std::byte> payload) noexcept {
   // Its own statistics say how the standby is.
   if (!holds_ || topic == "stats/") return to_.Send(topic, payload);
   if (topic.starts_with("body/")) return;  // sent anew then
@@ -13,7 +13,7 @@ void HeldPublisher::Send(std::string_view topic, std::span<const std::byte> payl
   kept_.push_back({now_ns, std::string(topic), {payload.begin(), payload.end()}});
 }
 
-std::size_t HeldPublisher::Release(bool all) {
+std::size_t BufferedPublisher::Release(bool all) {
   holds_ = false;
   const std::size_t sent = all ? kept_.size() : 0;
   to_.MakeRoom(sent);
