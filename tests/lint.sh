@@ -43,6 +43,9 @@ git ls-files -z '*.h' '*.cpp' | xargs -0 clang-format-16 --dry-run -Werror || ba
 python3 -B tests/headers.py "$build" || bad=1
 printf 'layers: '
 python3 -B tests/layers.py || bad=1
+printf 'types of a frame: '
+python3 -B tests/frame_types.py | tail -1
+[ "${PIPESTATUS[0]}" = 0 ] || bad=1
 echo 'words:'
 python3 -B tests/words.py || bad=1
 python3 -B tests/sizes.py

@@ -42,17 +42,16 @@ class ControlSocket {
   // Receives one message into `parts_`; false when none is waiting.
   bool Receive();
   void Handle();
-  // The reason why the sender of the last message is not (or no longer) authorized; "" when it is.
-  std::string Unauthorized();
-  // The reason why a request of `bytes` is too large; "" when it is not.
-  static std::string TooLarge(std::size_t bytes, bool has_file);
+  // Whether the sender of the last message is (still) authorized.
+  Status CheckSender();
+  // Whether a request of `bytes` has an allowed size.
+  static Status CheckSize(std::size_t bytes, bool has_file);
   void HandleOsc();
-  // Passes the exchange to the pipeline. With too many in flight it sets the reply instead, moves
-  // nothing and returns false.
-  bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
-  bool Busy(pipeline::Exchange& exchange, const std::string& why);  // false
-  void Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
-              const std::string& reason);
+  // Passes the exchange to the pipeline. An error when too many are in flight: nothing is moved
+  // then, and the exchange has its reply.
+  Status Pass(std::unique_ptr<pipeline::Exchange>& exchange);
+  Status Busy(pipeline::Exchange& exchange, const std::string& why);
+  void Refuse(const std::vector<std::vector<std::byte>>& envelope, const Status& status);
   void Send(const std::vector<std::vector<std::byte>>& envelope, const v1::Reply& reply);
 
   runtime::ZmqSocket socket_;

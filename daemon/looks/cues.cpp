@@ -22,8 +22,7 @@ Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& pre
     change.mutable_mix(0)->set_weight(1);
   }
   if (const std::string wrong = CheckLook(change); !wrong.empty()) return Status::Error(wrong);
-  std::string why;
-  if (!ProperNames(styles, change, why)) return Status::Error(why);
+  if (Status status = ProperNames(styles, change); !status.ok()) return status;
   v1::Look applied = change;
   if (!change.preset().empty()) {
     const config::Preset* const preset = FindPreset(change.preset(), presets);
@@ -38,8 +37,7 @@ Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& pre
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
   if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
-  why = WithoutVariations(look, styles);
-  return why.empty() ? Status::Ok() : Status::Error(why);
+  return CheckVariations(look, styles);
 }
 
 }  // namespace

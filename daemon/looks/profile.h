@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "model/base/status.h"
 #include "model/net/styles.h"
 #include "model/neutral/neutral.h"
 #include "model/rig/binding.h"
@@ -63,22 +64,21 @@ struct Profile {
 stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown, std::string_view performer = {});
 
-// Why the look cannot be shown in the variations that it asks for: names the first style of its mix
-// for which no network has any. "" if it can.
-std::string WithoutVariations(const v1::Look& look, const net::Styles& styles);
+// Whether the look can be shown in the variations that it asks for. The error names the first style
+// of its mix for which no network has any.
+Status CheckVariations(const v1::Look& look, const net::Styles& styles);
 
 // The preset of that name, or null.
 const config::Preset* FindPreset(std::string_view name, const std::vector<config::Preset>& presets);
 
 // Writes the mix of the preset `name` or, failing that, of the style `name` at weight 1, into
-// `look`. Returns false with the reason in `why` if it is neither, or the mix does not pass
-// stylist::Validate.
-bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const net::Styles& styles, v1::Look& look, std::string& why);
+// `look`. An error if it is neither, or the mix does not pass stylist::Validate.
+Status LookUp(const std::string& name, const std::vector<config::Preset>& presets,
+              const net::Styles& styles, v1::Look& look);
 
 // Replaces the style names in a change (mix, input_style; neutral becomes "" there) by their proper
-// spelling. Returns false with the reason in `why` if the network has no such style.
-bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why);
+// spelling. An error if the network has no such style.
+Status ProperNames(const net::Styles& styles, v1::Look& change);
 
 // Replaces a style by its name in a look's mix and input_style. `to` "": removes the style; a look
 // without another style goes to bypass. A look that is changed no longer belongs to a preset.

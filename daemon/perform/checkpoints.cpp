@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/checkpoint_bytes.h"
 #include "model/base/crc32c.h"
 #include "model/base/text.h"
@@ -27,10 +28,7 @@ std::array<std::byte, 4> Checksum(std::span<const std::byte> state) {
   return std::bit_cast<std::array<std::byte, 4>>(Crc32c(state));
 }
 
-void Deny(v1::Code code, std::string reason, v1::Reply& reply) {
-  reply.set_code(code);
-  reply.set_reason(std::move(reason));
-}
+Status Bad(const std::string& what) { return Malformed("checkpoint: " + what); }
 
 v1::Checkpoint StateOf(Performer& performer, const RuntimeConfig& config, std::int64_t now_ns) {
   v1::Checkpoint checkpoint;
@@ -64,71 +62,72 @@ v1::Checkpoint StateOf(Performer& performer, const RuntimeConfig& config, std::i
   return checkpoint;
 }
 
-// What the state was made with must be here, too. Returns what differs, or "".
-std::string WhatDiffers(const v1::Checkpoint& checkpoint, const RuntimeConfig& config) {
+// What the state was made with must be here, too.
+Status CheckSame(const v1::Checkpoint& checkpoint, const RuntimeConfig& config) {
   if (checkpoint.version() != kCheckpointVersion) {
-    return "version " + std::to_string(checkpoint.version()) + ", expected " +
-           std::to_string(kCheckpointVersion);
+    return Bad("version " + std::to_string(checkpoint.version()) + ", expected " +
+               std::to_string(kCheckpointVersion));
   }
   if (checkpoint.weights_crc() != config.weights_crc) {
-    return "it is of the weights " + Printable(checkpoint.weights(), kQuoted) +
-           ", expected the contents of " + config.weights_name;
+    return Bad("it is of the weights " + Printable(checkpoint.weights(), kQuoted) +
+               ", expected the contents of " + config.weights_name);
   }
   const auto& styles = config.network->model().styles;
   const bool same_styles = std::equal(
       styles.begin(), styles.end(), checkpoint.styles().begin(), checkpoint.styles().end(),
       [](const net::StyleInfo& here, const std::string& there) { return here.name == there; });
   if (!same_styles) {
-    return "it is of " + std::to_string(checkpoint.styles_size()) + " styles, expected the " +
-           std::to_string(styles.size()) +
-           " that are here, by the same names: import those that were made";
+    return Bad("it is of " + std::to_string(checkpoint.styles_size()) + " styles, expected the " +
+               std::to_string(styles.size()) +
+               " that are here, by the same names: import those that were made");
   }
   const bool same_outputs =
       std::equal(config.outputs.begin(), config.outputs.end(), checkpoint.outputs().begin(),
                  checkpoint.outputs().end(),
                  [](const auto& here, const std::string& there) { return here->name == there; });
-  if (!same_outputs) return "its [[output]] tables are others than those of this daemon";
-  return "";
+  if (!same_outputs) return Bad("its [[output]] tables are others than those of this daemon");
+  return Status::Ok();
 }
 
-// Why the checkpoint is not whole, or "".
-std::string WhatIsBroken(const v1::Checkpoint& checkpoint) {
+// Whether the checkpoint is whole.
+Status CheckWhole(const v1::Checkpoint& checkpoint) {
   if (checkpoint.sequence() == 0 || checkpoint.sequence() > kMostSequence) {
-    return "its sequence is " + std::to_string(checkpoint.sequence()) + ", expected 1 to 2^62";
+    return Bad("its sequence is " + std::to_string(checkpoint.sequence()) + ", expected 1 to 2^62");
   }
   const auto state = std::as_bytes(std::span(checkpoint.state()));
   constexpr std::size_t kSum = sizeof(decltype(Checksum({})));
   if (state.size() < kSum ||
       !std::ranges::equal(Checksum(state.first(state.size() - kSum)), state.last(kSum))) {
-    return "its state is damaged: the checksum at its end is another";
+    return Bad("its state is damaged: the checksum at its end is another");
   }
-  return "";
+  return Status::Ok();
 }
 
-// Puts the checkpoint's settings into a profile. Returns what is wrong with them, or "".
-std::string ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& config,
-                         Profile& profile) {
+// Puts the checkpoint's settings into a profile.
+Status ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& config,
+                    Profile& profile) {
   v1::Look look = InitialLook();
   v1::Look change = checkpoint.look();
-  std::string why = CheckLook(change);
-  if (!why.empty() || !ProperNames(config.network->model().styles, change, why)) return why;
+  if (const std::string why = CheckLook(change); !why.empty()) return Bad(why);
+  const Status named = ProperNames(config.network->model().styles, change);
+  if (!named.ok()) return Bad(named.message());
   change.clear_preset();
   styled::Apply(change, look);
   look.set_preset(checkpoint.look().preset());
   std::vector<std::string> unknown;
   const auto error = stylist::Validate(Resolve(look, config.network->model().styles, unknown),
                                        static_cast<int>(config.network->model().styles.size()));
-  if (error != stylist::SettingsError::kNone) return Explain(error);
+  if (error != stylist::SettingsError::kNone) return Bad(Explain(error));
   profile.look = std::move(look);
   profile.pinned = checkpoint.pinned();
   profile.rest.reset();
-  if (!checkpoint.has_rest()) return "";
+  if (!checkpoint.has_rest()) return Status::Ok();
   const v1::Rest& given = checkpoint.rest();
   const auto sound = [](float number) { return std::abs(number) <= 1.001F; };
   if (given.canonical_from_source_size() != 4 || given.rotations_size() % 4 != 0 ||
       !std::ranges::all_of(given.canonical_from_source(), sound) ||
       !std::ranges::all_of(given.rotations(), sound)) {
-    return "its rest pose consists of no rotations";
+    return Bad("its rest pose consists of no rotations");
   }
   const auto read = [](const auto& numbers, int at) {
     return rig::Quat(numbers[at + 3], numbers[at], numbers[at + 1], numbers[at + 2]);
@@ -140,7 +139,7 @@ std::string ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& 
   for (int i = 0; i < given.rotations_size(); i += 4) {
     rest.rotations.push_back(read(given.rotations(), i));
   }
-  return "";
+  return Status::Ok();
 }
 
 Status GiveState(const v1::Checkpoint& checkpoint, const RuntimeConfig& config, std::int64_t now_ns,
@@ -161,65 +160,48 @@ Status GiveState(const v1::Checkpoint& checkpoint, const RuntimeConfig& config, 
 
 }  // namespace
 
-void TakeCheckpoint(const v1::Request& request, Roster& roster, std::int64_t now_ns,
-                    std::int64_t wall_ns, v1::Reply& reply) {
-  reply.set_id(request.id());
-  Profile* const profile = roster.FindProfile(request.performer());
+Result<v1::Checkpoint> TakeCheckpoint(const std::string& id, Roster& roster, std::int64_t now_ns,
+                                      std::int64_t wall_ns) {
+  Profile* const profile = roster.FindProfile(id);
   Performer* const performer = profile == nullptr ? nullptr : roster.LiveOf(*profile);
   if (performer == nullptr) {
-    return Deny(
-        v1::CODE_UNKNOWN_PERFORMER,
-        "performer \"" + Printable(request.performer(), kQuoted) + "\": expected one that is here",
-        reply);
+    return Refused(v1::CODE_UNKNOWN_PERFORMER,
+                   "performer \"" + Printable(id, kQuoted) + "\": expected one that is here");
   }
   if (!performer->binding().bound()) {
-    return Deny(v1::CODE_NOT_READY,
-                profile->id + ": no body of theirs is bound yet; expected one that is styled",
-                reply);
+    return Refused(v1::CODE_NOT_READY,
+                   profile->id + ": no body of theirs is bound yet; expected one that is styled");
   }
-  v1::Checkpoint& checkpoint = *reply.mutable_checkpoint();
-  checkpoint = StateOf(*performer, roster.config(), now_ns);
+  v1::Checkpoint checkpoint = StateOf(*performer, roster.config(), now_ns);
   checkpoint.set_epoch(roster.epoch());
   checkpoint.set_wall_time_ns(static_cast<std::uint64_t>(wall_ns));
+  return checkpoint;
 }
 
-Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers& layers,
-                             std::int64_t now_ns, v1::Reply& reply) {
-  reply.set_id(request.id());
-  const v1::Checkpoint& checkpoint = request.restore_checkpoint().checkpoint();
-  const std::string& id =
-      request.performer().empty() ? checkpoint.performer() : request.performer();
-  const auto refuse = [&](v1::Code code, std::string reason) -> Performer* {
-    Deny(code, std::move(reason), reply);
-    return nullptr;
-  };
+Result<Performer*> RestoreCheckpoint(const std::string& to, const v1::Checkpoint& checkpoint,
+                                     Roster& roster, Layers& layers, std::int64_t now_ns) {
+  const std::string& id = to.empty() ? checkpoint.performer() : to;
   const std::size_t dot = id.find('.');
   const auto& sources = roster.source_names();
   const auto source = std::ranges::find(sources, id.substr(0, dot));
   if (!config::IsPerformerId(id) || source == sources.end()) {
-    return refuse(v1::CODE_UNKNOWN_PERFORMER,
-                  "performer \"" + Printable(id, kQuoted) +
-                      "\": expected SOURCE.NAME with a source of this daemon");
+    return Refused(v1::CODE_UNKNOWN_PERFORMER,
+                   "performer \"" + Printable(id, kQuoted) +
+                       "\": expected SOURCE.NAME with a source of this daemon");
   }
   const RuntimeConfig& config = roster.config();
-  if (const std::string why = WhatDiffers(checkpoint, config); !why.empty()) {
-    return refuse(v1::CODE_MALFORMED, "checkpoint: " + why);
-  }
-  if (const std::string why = WhatIsBroken(checkpoint); !why.empty()) {
-    return refuse(v1::CODE_MALFORMED, "checkpoint: " + why);
-  }
+  if (Status status = CheckSame(checkpoint, config); !status.ok()) return status;
+  if (Status status = CheckWhole(checkpoint); !status.ok()) return status;
   Profile settings;
-  if (const std::string why = ReadSettings(checkpoint, config, settings); !why.empty()) {
-    return refuse(v1::CODE_MALFORMED, "checkpoint: " + why);
-  }
+  if (Status status = ReadSettings(checkpoint, config, settings); !status.ok()) return status;
   const int index = static_cast<int>(source - sources.begin());
   Performer* performer = roster.Find(index, std::string_view(id).substr(dot + 1));
   const bool fresh = performer == nullptr;
   if (fresh) performer = roster.Add(index, std::string_view(id).substr(dot + 1), now_ns);
   if (performer == nullptr) {
-    return refuse(v1::CODE_BUSY, "checkpoint: there are " +
-                                     std::to_string(roster.performers.size()) +
-                                     " performers already, expected room for one more");
+    return Refused(v1::CODE_BUSY, "checkpoint: there are " +
+                                      std::to_string(roster.performers.size()) +
+                                      " performers already, expected room for one more");
   }
   if (fresh) performer->SetFingers(layers.FingersOf(id));
   Profile& profile = performer->profile;
@@ -241,15 +223,12 @@ Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers&
     } else {
       roster.Forget(*performer);
     }
-    return refuse(v1::CODE_MALFORMED, "checkpoint: " + status.message());
+    return Bad(status.message());
   }
   profile.configured = true;
   // Never back: subscribers take a frame of an old number for one that comes late.
   profile.next_sequence = std::max(profile.next_sequence, checkpoint.sequence());
   roster.NoteNamed(profile);
-  auto& applied = *reply.add_applied();
-  applied.set_performer(id);
-  applied.set_first_sequence(profile.next_sequence);
   return performer;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {
@@ -12,44 +13,39 @@ namespace {
 // the reply.
 constexpr std::size_t kShown = 80;
 
-void Refuse(v1::Reply& reply, v1::Code code, std::string reason) {
-  reply.set_code(code);
-  reply.set_reason(std::move(reason));
-  reply.clear_applied();
-}
-
 }  // namespace
 
 bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
   reply.set_id(request.id());
+  Status status = Status::Ok();
   switch (request.command_case()) {
     case v1::Request::kList:
       List(reply);
-      return true;
+      break;
     case v1::Request::kSet:
-      Change(request.performer(), request.set(), "set", reply);
-      return true;
+      status = Change(request.performer(), request.set(), "set", reply);
+      break;
     case v1::Request::kPin:
-      Pin(request, reply);
-      return true;
+      status = Pin(request, reply);
+      break;
     case v1::Request::kPreset: {
       v1::Look change;
       change.set_preset(request.preset().name());
       if (request.preset().has_transition_ms()) {
         change.set_transition_ms(request.preset().transition_ms());
       }
-      Change(request.performer(), std::move(change), "preset", reply);
-      return true;
+      status = Change(request.performer(), std::move(change), "preset", reply);
+      break;
     }
     case v1::Request::kPanic:
       Panic(reply);
-      return true;
+      break;
     case v1::Request::kReset:
-      Reset(request, reply);
-      return true;
+      status = Reset(request, reply);
+      break;
     case v1::Request::kCue:
-      Fire(request.cue(), reply);
-      return true;
+      status = Fire(request.cue(), reply);
+      break;
     case v1::Request::kStatus:
       return false;
     case v1::Request::kCalibrate:  // these are handled by the pipeline
@@ -64,12 +60,13 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
     case v1::Request::kRenameStyle:
     case v1::Request::kRemoveStyle:
     case v1::Request::COMMAND_NOT_SET:
-      break;
+      status = Refused(
+          v1::CODE_UNKNOWN_COMMAND,
+          "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
+          "calibrate, like, preview, export_style, import_style, rename_style, remove_style, "
+          "take_checkpoint, restore_checkpoint, lead, explain or status");
   }
-  Refuse(reply, v1::CODE_UNKNOWN_COMMAND,
-         "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
-         "calibrate, like, preview, export_style, import_style, rename_style, remove_style, "
-         "take_checkpoint, restore_checkpoint, lead, explain or status");
+  FillReply(status, reply);
   return true;
 }
 
@@ -102,35 +99,33 @@ std::optional<v1::Request> SetThatShows(const v1::Request& like) {
 void Commands::Show(const v1::Request& like, v1::Reply& reply) {
   auto request = SetThatShows(like);
   if (!request) return;
-  Change(request->performer(), std::move(*request->mutable_set()), "like", reply);
+  const Status status =
+      Change(request->performer(), std::move(*request->mutable_set()), "like", reply);
+  if (!status.ok()) FillReply(status, reply);
 }
 
-Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply) {
+Result<Commands::Targets> Commands::Find(const std::string& performer) {
   Targets targets;
   if (performer == "*") {
-    targets.ok = targets.all = true;
+    targets.all = true;
     for (const auto& [id, profile] : roster_.profiles) targets.profiles.push_back(profile.get());
     return targets;
   }
   if (!config::IsPerformerId(performer)) {
-    Refuse(reply, v1::CODE_UNKNOWN_PERFORMER,
-           "performer \"" + Printable(performer, kShown) + "\": expected SOURCE.NAME or *");
-    return targets;
+    return Refused(v1::CODE_UNKNOWN_PERFORMER,
+                   "performer \"" + Printable(performer, kShown) + "\": expected SOURCE.NAME or *");
   }
   if (!roster_.KnowsSource(performer.substr(0, performer.find('.')))) {
     std::string reason = "performer \"" + performer + "\": no such source; the sources are";
     for (const auto& name : roster_.source_names()) reason += " " + name;
-    Refuse(reply, v1::CODE_UNKNOWN_PERFORMER, std::move(reason));
-    return targets;
+    return Refused(v1::CODE_UNKNOWN_PERFORMER, std::move(reason));
   }
   Profile* profile = roster_.EnsureProfile(performer);
   if (profile == nullptr) {
-    Refuse(reply, v1::CODE_BUSY,
-           std::to_string(roster_.profiles.size()) +
-               " performers have settings already; clear those of some who do not come");
-    return targets;
+    return Refused(v1::CODE_BUSY,
+                   std::to_string(roster_.profiles.size()) +
+                       " performers have settings already; clear those of some who do not come");
   }
-  targets.ok = true;
   targets.profiles.push_back(profile);
   return targets;
 }
@@ -178,16 +173,18 @@ void Commands::Applied(const Profile& profile, const Performer* live, v1::Reply&
   applied.set_no_strength(profile.look.strength() == 0 && !profile.look.mix().empty());
 }
 
-void Commands::ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply) {
+Status Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
+                             v1::Reply& reply) {
   const net::Styles& styles = roster_.config().network->model().styles;
-  const Targets targets = Find(performer, reply);
-  if (!targets.ok) return;
+  const auto found = Find(performer);
+  if (!found.ok()) return found.status();
+  const Targets& targets = found.value();
   std::vector<std::pair<Profile*, v1::Look>> changed;
-  // Returns false if the change must not be applied; pinned profiles are skipped with "*".
+  // Checks the change of one profile; pinned profiles are skipped with "*".
   const auto add = [&](Profile& profile) {
     if (profile.pinned) {
-      if (!targets.all) Refuse(reply, v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
-      return targets.all;
+      if (targets.all) return Status::Ok();
+      return Refused(v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
     }
     v1::Look look = profile.look;
     styled::Apply(change, look);
@@ -195,23 +192,24 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
     const auto error =
         stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
     if (error != stylist::SettingsError::kNone) {
-      Refuse(reply, v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
-      return false;
+      return Refused(v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
     }
-    if (std::string why = WithoutVariations(look, styles); !why.empty()) {
-      Refuse(reply, v1::CODE_NO_EXAMPLES, profile.id + ": " + why);
-      return false;
+    if (const Status varies = CheckVariations(look, styles); !varies.ok()) {
+      return Refused(v1::CODE_NO_EXAMPLES, profile.id + ": " + varies.message());
     }
     changed.emplace_back(&profile, std::move(look));
-    return true;
+    return Status::Ok();
   };
   // All checks come before any change, so that either all targets change or none.
   for (Profile* profile : targets.profiles) {
-    if (add(*profile)) continue;
+    Status status = add(*profile);
+    if (status.ok()) continue;
     if (!targets.all) roster_.DropUnused(*profile);
-    return;
+    return status;
   }
-  if (targets.all && !add(roster_.to_come)) return;
+  if (targets.all) {
+    if (Status status = add(roster_.to_come); !status.ok()) return status;
+  }
   for (auto& [profile, look] : changed) {
     profile->look = std::move(look);
     profile->configured = true;
@@ -221,42 +219,41 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
     if (!targets.all) roster_.NoteNamed(*profile);
   }
   changed_ = true;
+  return Status::Ok();
 }
 
-bool Commands::FillPreset(v1::Look& change, const std::string& what, v1::Reply& reply) const {
+Status Commands::FillPreset(v1::Look& change, const std::string& what) const {
   const auto& presets = roster_.config().presets;
   if (const config::Preset* const preset = FindPreset(change.preset(), presets)) {
     *change.mutable_mix() = preset->look.mix();
-    return true;
+    return Status::Ok();
   }
   std::string reason =
       what + ": no preset \"" + Printable(change.preset(), kShown) + "\"; the presets are";
   for (const auto& known : presets) reason += " " + known.name;
-  Refuse(reply, v1::CODE_UNKNOWN_PRESET,
-         presets.empty() ? what + ": no presets are configured" : reason);
-  return false;
+  return Refused(v1::CODE_UNKNOWN_PRESET,
+                 presets.empty() ? what + ": no presets are configured" : reason);
 }
 
-void Commands::Change(const std::string& performer, v1::Look change, const std::string& what,
-                      v1::Reply& reply) {
+Status Commands::Change(const std::string& performer, v1::Look change, const std::string& what,
+                        v1::Reply& reply) {
   // A complete look has an empty preset if its mix came from no preset; ignore it in a change.
   if (what == "set" && change.preset().empty()) change.clear_preset();
   const bool by_preset = change.has_preset();
   const int mixes = static_cast<int>(change.clear()) + static_cast<int>(change.mix_size() > 0) +
                     static_cast<int>(by_preset);
-  if (mixes > 1) {
-    return Refuse(reply, v1::CODE_MALFORMED, what + ": expected one of mix, preset and clear");
-  }
+  if (mixes > 1) return Malformed(what + ": expected one of mix, preset and clear");
   if (const std::string wrong = CheckLook(change); !wrong.empty()) {
-    return Refuse(reply, v1::CODE_OUT_OF_RANGE, what + ": " + wrong);
+    return Refused(v1::CODE_OUT_OF_RANGE, what + ": " + wrong);
   }
-  if (by_preset && !FillPreset(change, what, reply)) return;
-  std::string why;
-  if (!ProperNames(roster_.config().network->model().styles, change, why)) {
-    return Refuse(reply, v1::CODE_UNKNOWN_STYLE, what + ": " + why);
+  if (by_preset) {
+    if (Status status = FillPreset(change, what); !status.ok()) return status;
   }
-  ChangeLooks(performer, change, reply);
-  if (change.clear() && reply.code() == v1::CODE_OK) ForgetMisnamed(performer);
+  const Status named = ProperNames(roster_.config().network->model().styles, change);
+  if (!named.ok()) return Refused(v1::CODE_UNKNOWN_STYLE, what + ": " + named.message());
+  Status status = ChangeLooks(performer, change, reply);
+  if (change.clear() && status.ok()) ForgetMisnamed(performer);
+  return status;
 }
 
 // Forgets a performer that was named by mistake or never arrived, so that it is not listed forever.
@@ -270,15 +267,17 @@ void Commands::ForgetMisnamed(const std::string& id) {
   roster_.DropUnused(*profile);
 }
 
-void Commands::Pin(const v1::Request& request, v1::Reply& reply) {
-  const Targets targets = Find(request.performer(), reply);
-  for (Profile* profile : targets.profiles) {
+Status Commands::Pin(const v1::Request& request, v1::Reply& reply) {
+  const auto targets = Find(request.performer());
+  if (!targets.ok()) return targets.status();
+  for (Profile* profile : targets.value().profiles) {
     profile->pinned = request.pin().pinned();
     profile->configured = true;
-    if (!targets.all) roster_.NoteNamed(*profile);
+    if (!targets.value().all) roster_.NoteNamed(*profile);
     changed_ = true;
     Applied(*profile, roster_.LiveOf(*profile), reply);
   }
+  return Status::Ok();
 }
 
 void Commands::Panic(v1::Reply& reply) {
@@ -296,73 +295,80 @@ void Commands::Panic(v1::Reply& reply) {
   changed_ = true;
 }
 
-v1::Code Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
+Status Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
   v1::Request request = cue.request;
   request.set_performer(performer);
   v1::Reply one;
   (void)Apply(request, one);
-  if (one.code() == v1::CODE_PINNED) return one.code();
-  if (one.code() != v1::CODE_OK && reply.code() == v1::CODE_OK) {
-    reply.set_code(one.code());
-    reply.set_reason("cue " + cue.name + ": " + one.reason());
-  }
   reply.mutable_applied()->MergeFrom(one.applied());
-  return one.code();
+  if (one.code() == v1::CODE_OK) return Status::Ok();
+  return Refused(one.code(), "cue " + cue.name + ": " + one.reason());
 }
 
-void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
+// All cues of the name are fired, those behind one that is refused, too.
+Status Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
   bool found = false;
   std::string pinned;
+  Status first = Status::Ok();
   for (const Cue& cue : roster_.config().cues) {
     if (cue.name != wanted.name()) continue;
     found = true;
-    if (FireOne(cue, cue.performer, reply) == v1::CODE_PINNED) {
+    Status status = FireOne(cue, cue.performer, reply);
+    if (status.code() == int{v1::CODE_PINNED}) {
       pinned += (pinned.empty() ? "" : ", ") + cue.performer;
+    } else if (first.ok()) {
+      first = std::move(status);
     }
   }
   // A cue that changed nobody is not a success.
-  if (!pinned.empty() && reply.code() == v1::CODE_OK && reply.applied().empty()) {
-    Refuse(reply, v1::CODE_PINNED,
-           "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");
+  if (!pinned.empty() && first.ok() && reply.applied().empty()) {
+    return Refused(v1::CODE_PINNED,
+                   "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");
   }
-  if (found) return;
+  if (found) return first;
   std::string reason = "no cue \"" + Printable(wanted.name(), kShown) + "\"; the cues are";
   for (const Cue& cue : roster_.config().cues) reason += " " + cue.name;
-  Refuse(reply, v1::CODE_UNKNOWN_CUE,
-         roster_.config().cues.empty() ? "no cues are configured" : reason);
+  return Refused(v1::CODE_UNKNOWN_CUE,
+                 roster_.config().cues.empty() ? "no cues are configured" : reason);
 }
 
-bool Commands::Pass(Performer& performer, const Timecode& timecode, std::string& said) {
+std::string Commands::FireCues(Performer& performer, const Timecode& timecode) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto last = std::exchange(performer.timecode, now);
-  if (last == now) return false;
+  std::string fired;
+  if (last == now) return fired;
   for (const Cue& cue : roster_.config().cues) {
     if (!cue.at || !Passes(*cue.at, last, now)) continue;
     if (cue.performer != "*" && cue.performer != performer.profile.id) continue;
     v1::Reply reply;
-    const v1::Code code = FireOne(cue, performer.profile.id, reply);
-    said += (said.empty() ? "cue " : ", cue ") + cue.name;
-    if (code == v1::CODE_PINNED) said += " (pinned, not changed)";
-    if (reply.code() != v1::CODE_OK) said += " (" + reply.reason() + ")";
+    const Status status = FireOne(cue, performer.profile.id, reply);
+    fired += (fired.empty() ? "cue " : ", cue ") + cue.name;
+    if (status.code() == int{v1::CODE_PINNED}) {
+      fired += " (pinned, not changed)";
+    } else if (!status.ok()) {
+      fired += " (" + status.message() + ")";
+    }
   }
-  return !said.empty();
+  return fired;
 }
 
-void Commands::Reset(const v1::Request& request, v1::Reply& reply) {
+Status Commands::Reset(const v1::Request& request, v1::Reply& reply) {
   if (request.performer() != "*") {
     const Profile* known = roster_.FindProfile(request.performer());
     if (known == nullptr || !known->seen) {
-      return Refuse(
-          reply, v1::CODE_UNKNOWN_PERFORMER,
+      return Refused(
+          v1::CODE_UNKNOWN_PERFORMER,
           "performer \"" + Printable(request.performer(), kShown) + "\" was not seen yet");
     }
   }
-  const Targets targets = Find(request.performer(), reply);
-  for (Profile* profile : targets.profiles) {
+  const auto targets = Find(request.performer());
+  if (!targets.ok()) return targets.status();
+  for (Profile* profile : targets.value().profiles) {
     Performer* const live = roster_.LiveOf(*profile);
     if (live != nullptr) live->Restart();
     Applied(*profile, live, reply);
   }
+  return Status::Ok();
 }
 
 }  // namespace styled::pipeline

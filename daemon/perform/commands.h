@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/perform/roster.h"
+#include "model/base/status.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
@@ -31,39 +32,37 @@ class Commands {
   // those to come. Call before the configuration is taken over. Nothing for other requests.
   void FollowStyles(const v1::Request& request, v1::Reply& reply);
   // Fires the cues that the performer's timecode passed since its last frame; they take effect with
-  // the current frame. Returns true if there was one; `said` then names them for the log.
-  bool Pass(Performer& performer, const Timecode& timecode, std::string& said);
+  // the current frame. Returns a text for the log that names them; "": there was none.
+  std::string FireCues(Performer& performer, const Timecode& timecode);
   // Whether settings changed since the last call and must be saved.
   bool PopChanged() { return std::exchange(changed_, false); }
   void MarkChanged() { changed_ = true; }
 
  private:
-  // The profiles that a request names, one or all. On an error `ok` is false and the reply has the
-  // reason.
+  // The profiles that a request names, one or all.
   struct Targets {
-    bool ok = false, all = false;
+    bool all = false;
     std::vector<Profile*> profiles;
   };
   // Creates a profile for an id that was not seen yet.
-  Targets Find(const std::string& performer, v1::Reply& reply);
+  Result<Targets> Find(const std::string& performer);
   void List(v1::Reply& reply) const;
-  // Changes looks; `what` is the name of the command, for errors.
-  void Change(const std::string& performer, v1::Look change, const std::string& what,
-              v1::Reply& reply);
+  // Each executes one command and adds to `applied` of the reply; an error has a code. Changes
+  // looks; `what` is the name of the command, for errors.
+  Status Change(const std::string& performer, v1::Look change, const std::string& what,
+                v1::Reply& reply);
   void ForgetMisnamed(const std::string& id);
-  void Pin(const v1::Request& request, v1::Reply& reply);
+  Status Pin(const v1::Request& request, v1::Reply& reply);
   void Panic(v1::Reply& reply);
-  void Fire(const v1::Cue& wanted, v1::Reply& reply);
-  // Executes the request of one cue, for one performer or "*". Returns the code of that request.
-  // For a pinned performer `reply` stays as it is.
-  v1::Code FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
-  void Reset(const v1::Request& request, v1::Reply& reply);
+  Status Fire(const v1::Cue& wanted, v1::Reply& reply);
+  // Executes the request of one cue, for one performer or "*".
+  Status FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
+  Status Reset(const v1::Request& request, v1::Reply& reply);
 
-  // Copies the mix of the preset that a change names into the change; false if there is no such
-  // preset.
-  bool FillPreset(v1::Look& change, const std::string& what, v1::Reply& reply) const;
+  // Copies the mix of the preset that a change names into the change.
+  Status FillPreset(v1::Look& change, const std::string& what) const;
   // Applies a checked change to each target, all or none.
-  void ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
+  Status ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
   // `live`: the profile's performer, null if there is none.
   static void Applied(const Profile& profile, const Performer* live, v1::Reply& reply);
 

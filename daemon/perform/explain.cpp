@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/text.h"
 #include "proto/styled/explain.h"
 
@@ -72,30 +73,25 @@ std::string JointName(const Performer& performer, int joint) {
 
 }  // namespace
 
-void Explain(const v1::Request& request, const Performance& performance, v1::Reply& reply) {
-  reply.set_id(request.id());
-  const std::string& id = request.performer();
+Status Explain(const std::string& id, const v1::Explain& which, const Performance& performance,
+               v1::ExplainReply& reply) {
   const Profile* const profile = performance.roster.FindProfile(id);
   const Performer* const performer =
       profile == nullptr ? nullptr : performance.roster.LiveOf(*profile);
   if (performer == nullptr) {
-    reply.set_code(v1::CODE_UNKNOWN_PERFORMER);
-    reply.set_reason("explain: performer \"" + Printable(id, kShownName) +
-                     "\": " + WhyNobody(performance));
-    return;
+    return Refused(v1::CODE_UNKNOWN_PERFORMER, "explain: performer \"" + Printable(id, kShownName) +
+                                                   "\": " + WhyNobody(performance));
   }
   const log::FrameHistory& history = performer->history;
-  const Range range = RangeOf(request.explain(), history);
-  if (range.first == range.last && request.explain().after_ns() == 0) {
-    reply.set_code(v1::CODE_OUT_OF_RANGE);
-    reply.set_reason("explain: sequence: found " + std::to_string(request.explain().sequence()) +
-                     ", expected a frame that is kept: " + KeptText(history));
-    return;
+  const Range range = RangeOf(which, history);
+  if (range.first == range.last && which.after_ns() == 0) {
+    return Refused(v1::CODE_OUT_OF_RANGE,
+                   "explain: sequence: found " + std::to_string(which.sequence()) +
+                       ", expected a frame that is kept: " + KeptText(history));
   }
-  v1::ExplainReply& explained = *reply.mutable_explain();
-  explained.set_now_ns(performance.clock.Now_ns());
+  reply.set_now_ns(performance.clock.Now_ns());
   for (std::size_t i = range.first; i < range.last; ++i) {
-    v1::FrameFate& fate = *explained.add_frames();
+    v1::FrameFate& fate = *reply.add_frames();
     fate.set_performer(id);
     history.Fill(i, fate);
     fate.set_period_ms(static_cast<float>(performer->latency.rig.period_ns()) * 1e-6F);
@@ -105,6 +101,7 @@ void Explain(const v1::Request& request, const Performance& performance, v1::Rep
     fate.set_text(ExplainText(fate));
     fate.set_cause(CauseText(fate));
   }
+  return Status::Ok();
 }
 
 }  // namespace styled::pipeline

@@ -80,15 +80,16 @@ void FrameProcessor::ProcessLayer(Layer& layer, const Batch& batch, runtime::Hot
 // A source without fingers says so once a body, not with every frame.
 void FrameProcessor::AcceptLayerBody(FingerLayer& fingers, int source,
                                      const source::SourceFrame& body) {
-  std::string why;
-  const FingerLayer::Body became = fingers.AcceptBody(body, receive_ns_, why);
-  if (became == FingerLayer::Body::kNotNext)
+  const auto accepted = fingers.AcceptBody(body, receive_ns_);
+  if (accepted.ok()) {
+    if (accepted.value() != FingerLayer::Body::kNotNext) return;
     return performance_.counters.AddOf(source, fingers.why());
-  if (became != FingerLayer::Body::kRefused) return;
+  }
   performance_.counters.AddOf(source, Counter::kPipelineBodiesRefused);
   performance_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine,
                             performance_.roster.source_names()[static_cast<std::size_t>(source)],
-                            Event::Level::kWarning, "gives no fingers: " + why);
+                            Event::Level::kWarning,
+                            "gives no fingers: " + accepted.status().message());
 }
 
 void FrameProcessor::NoteNewest(int source, std::size_t at) noexcept {
@@ -265,12 +266,12 @@ void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
     return;
   }
   StyleAccepted(hot);  // the frames before the cue
-  std::string said;
-  if (performance_.commands.Pass(performer, timecode, said)) {
+  const std::string fired = performance_.commands.FireCues(performer, timecode);
+  if (!fired.empty()) {
     performance_.counters.Add(Counter::kPipelineCues);
     performance_.events.LogOf(
         LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
-        said + " from frame " + std::to_string(performer.profile.next_sequence));
+        fired + " from frame " + std::to_string(performer.profile.next_sequence));
   }
   hot.Enter();
 }

@@ -28,13 +28,14 @@ void Roster::InitializeToCome() {
   if (to_come.configured) return;
   to_come = Profile();
   to_come.id = "*";
-  std::string why;  // checked when the configuration was read
+  // Both were checked when the configuration was read.
   v1::Look change = config_->style.look;
-  if (ProperNames(config_->network->model().styles, change, why))
+  if (ProperNames(config_->network->model().styles, change).ok()) {
     styled::Apply(change, to_come.look);
+  }
   if (!config_->style.initial.empty()) {
     (void)LookUp(config_->style.initial, config_->presets, config_->network->model().styles,
-                 to_come.look, why);
+                 to_come.look);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/styles/like.h"
 #include "model/base/text.h"
@@ -16,29 +17,24 @@ constexpr std::int64_t kRecent_ns = 300 * runtime::kMillisecond_ns;  // as for C
 constexpr std::int64_t kPatience_ns =
     500 * runtime::kMillisecond_ns;  // for frames that do not come
 
-bool RefuseTake(v1::Reply& reply, v1::Code code, const std::string& reason) {
-  reply.set_code(code);
-  reply.set_reason("like: " + reason);
-  return false;
-}
-
 }  // namespace
 
-bool Takes::Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std::int64_t now_ns) {
+Status Takes::Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster,
+                    std::int64_t now_ns) {
   const v1::Request& request = exchange->request;
-  v1::Reply& reply = exchange->reply;
-  reply.set_id(request.id());
-  if (!CheckLike(roster.config(), request.like(), reply)) return false;
+  if (Status status = CheckLike(roster.config(), request.like()); !status.ok()) {
+    return Of("like", status);
+  }
   const Profile* const profile = roster.FindProfile(request.performer());
   const Performer* const live = profile == nullptr ? nullptr : roster.LiveOf(*profile);
   const body::Pose* const pose = live == nullptr ? nullptr : live->input();
   if (pose == nullptr || now_ns - live->admission.last_frame_ns() > kRecent_ns) {
-    return RefuseTake(reply, profile == nullptr ? v1::CODE_UNKNOWN_PERFORMER : v1::CODE_NOT_READY,
-                      "performer \"" + Printable(request.performer(), 80) +
-                          "\": no frame in the last 0.3 s; expected one who moves now");
+    return Refused(profile == nullptr ? v1::CODE_UNKNOWN_PERFORMER : v1::CODE_NOT_READY,
+                   "like: performer \"" + Printable(request.performer(), 80) +
+                       "\": no frame in the last 0.3 s; expected one who moves now");
   }
   if (takes_.size() == kMostTakes) {
-    return RefuseTake(reply, v1::CODE_BUSY, "four performers show a style already; try again");
+    return Refused(v1::CODE_BUSY, "like: four performers show a style already; try again");
   }
   const auto rate_hz = static_cast<double>(roster.config().network->model().rate_hz);
   Take take{.exchange = std::move(exchange),
@@ -50,7 +46,7 @@ bool Takes::Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std
             .last = *pose};
   take.exchange->take.reserve(take.wanted);
   takes_.push_back(std::move(take));
-  return true;
+  return Status::Ok();
 }
 
 void Takes::OnFrame(const Performer& performer) noexcept {
@@ -92,10 +88,11 @@ std::unique_ptr<Exchange> Takes::Pop(std::int64_t now_ns) {
   std::unique_ptr<Exchange> exchange = std::move(ended->exchange);
   if (exchange->take.size() < ended->wanted) {
     const double shown_s = static_cast<double>(exchange->take.size()) * ended->step_ns * 1e-9;
-    RefuseTake(exchange->reply, v1::CODE_NOT_READY,
-               "the performer's frames stopped or began anew after " +
-                   NumberText(static_cast<float>(shown_s), 1) + " s, expected " +
-                   NumberText(exchange->request.like().learn_s()) + " s without a gap");
+    FillReply(Refused(v1::CODE_NOT_READY,
+                      "like: the performer's frames stopped or began anew after " +
+                          NumberText(static_cast<float>(shown_s), 1) + " s, expected " +
+                          NumberText(exchange->request.like().learn_s()) + " s without a gap"),
+              exchange->reply);
   }
   takes_.erase(ended);
   return exchange;

@@ -8,6 +8,7 @@
 #include "daemon/looks/mailboxes.h"
 #include "daemon/perform/roster.h"
 #include "model/base/realtime.h"
+#include "model/base/status.h"
 
 namespace styled::pipeline {
 
@@ -16,9 +17,9 @@ namespace styled::pipeline {
 // tests/e2e/like_test.cpp.
 class Takes {
  public:
-  // Begins a take; the request is checked, and the performer must be live. Otherwise fills the
-  // reply and leaves the exchange. Makes room for all of it: allocates.
-  bool Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std::int64_t now_ns);
+  // Begins a take; the request is checked, and the performer must be live. Otherwise leaves the
+  // exchange. Makes room for all of it: allocates.
+  Status Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std::int64_t now_ns);
   bool empty() const { return takes_.empty(); }
   // Samples a performer's frame, which has just been styled.
   STYLED_REALTIME void OnFrame(const Performer& performer) noexcept;

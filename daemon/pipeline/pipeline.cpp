@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "daemon/looks/refusal.h"
 #include "daemon/perform/load_balance.h"
 #include "daemon/perform/requests.h"
 
@@ -112,9 +113,12 @@ void Pipeline::Perform(std::unique_ptr<Exchange> exchange) {
     return Return(std::move(exchange));
   }
   if (request.has_like()) {
-    if (!performance_.takes.Begin(exchange, performance_.roster, performance_.clock.Now_ns()))
-      Return(std::move(exchange));
-    return;
+    exchange->reply.set_id(request.id());
+    const Status status =
+        performance_.takes.Begin(exchange, performance_.roster, performance_.clock.Now_ns());
+    if (status.ok()) return;
+    FillReply(status, exchange->reply);
+    return Return(std::move(exchange));
   }
   if (!PerformRequest(request, transports_, performance_, exchange->reply)) {
     stats_.Fill(*exchange->reply.mutable_status());
@@ -134,8 +138,8 @@ int Pipeline::DoTakes(std::int64_t now_ns) {
     } else if (dependencies_.mailboxes.takes.Push(std::move(exchange))) {
       dependencies_.mailboxes.wake_files.Signal();
     } else {
-      exchange->reply.set_code(v1::CODE_BUSY);
-      exchange->reply.set_reason("like: too many examples are waiting; try again");
+      FillReply(Refused(v1::CODE_BUSY, "like: too many examples are waiting; try again"),
+                exchange->reply);
       Return(std::move(exchange));
     }
   }

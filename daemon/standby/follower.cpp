@@ -121,13 +121,10 @@ void Follower::OnCheckpoint(const v1::Checkpoint& checkpoint) {
   const std::string& id = checkpoint.performer();
   if (id == kJournalSequences) performance_.roster.BeginSequencesAt(checkpoint.sequence());
   if (checkpoint.version() == 0) return standby_.Restored(id);
-  v1::Request request;
-  *request.mutable_restore_checkpoint()->mutable_checkpoint() = checkpoint;
-  v1::Reply reply;
-  Performer* const performer = RestoreCheckpoint(request, performance_.roster, performance_.layers,
-                                                 performance_.clock.Now_ns(), reply);
-  if (performer == nullptr) return standby_.Failed(reply.reason());
-  performer->profile.configured = standby_.configured.contains(id);
+  const auto restored = RestoreCheckpoint("", checkpoint, performance_.roster, performance_.layers,
+                                          performance_.clock.Now_ns());
+  if (!restored.ok()) return standby_.Failed(restored.status().message());
+  restored.value()->profile.configured = standby_.configured.contains(id);
   standby_.Restored(id);
 }
 

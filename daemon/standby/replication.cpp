@@ -166,10 +166,7 @@ bool Replication::Answers(pipeline::Exchange& exchange) {
   }
   if (!request.has_lead()) return false;
   reply.set_id(request.id());
-  if (const std::string why = standby_.RequestLead(); !why.empty()) {
-    reply.set_code(v1::CODE_NOT_READY);
-    reply.set_reason("lead: " + why);
-  }
+  pipeline::FillReply(standby_.RequestLead(), reply);
   return true;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/text.h"
 
 namespace styled::standby {
@@ -177,44 +178,46 @@ Standby::Change Standby::Note(Change change) {
   return change;
 }
 
-std::string Standby::Read() {
+Status Standby::Read() {
   if (!in_.ParseFromString(bytes_) || bytes_.empty()) {
-    return "it is no entry of a journal: is it a daemon's standby.address?";
+    return Status::Error("it is no entry of a journal: is it a daemon's standby.address?");
   }
   if (in_.version() != kVersion) {
-    return "it is of another version of the journal, " + std::to_string(in_.version()) +
-           ": both daemons must be of one, " + std::to_string(kVersion);
+    return Status::Error("it is of another version of the journal, " +
+                         std::to_string(in_.version()) + ": both daemons must be of one, " +
+                         std::to_string(kVersion));
   }
   if (in_.now_ns() < 0 || in_.now_ns() > kMostTime_ns || in_.wall_ns() < 0 ||
       in_.wall_ns() > kMostTime_ns) {
-    return "its times are impossible";
+    return Status::Error("its times are impossible");
   }
   if (in_.daemon() == daemon_) {
-    return "standby.peer is this daemon itself, expected the other one";
+    return Status::Error("standby.peer is this daemon itself, expected the other one");
   }
   if (in_.daemon() == 0 || in_.number() == 0 || in_.number() > kMostNumber) {
-    return "its sender or number is impossible";
+    return Status::Error("its sender or number is impossible");
   }
   if (in_.role() < v1::ROLE_LOOKING || in_.role() > v1::ROLE_LEAVING) {
-    return "its role is " + std::to_string(in_.role()) + ", which no daemon has";
+    return Status::Error("its role is " + std::to_string(in_.role()) + ", which no daemon has");
   }
   if (in_.term() > Roles::kMostTerm) {
-    return "its term is " + std::to_string(in_.term()) + ", expected at most " +
-           std::to_string(Roles::kMostTerm);
+    return Status::Error("its term is " + std::to_string(in_.term()) + ", expected at most " +
+                         std::to_string(Roles::kMostTerm));
   }
   const v1::Beginning& beginning = in_.beginning();
   for (const int listed :
        {beginning.styles_size(), beginning.places_size(), beginning.retired_size(),
         beginning.fading_size(), in_.settings().performers_size()}) {
     if (listed > kMostListed) {
-      return "it lists " + std::to_string(listed) + " styles or performers, expected at most " +
-             std::to_string(kMostListed);
+      return Status::Error("it lists " + std::to_string(listed) +
+                           " styles or performers, expected at most " +
+                           std::to_string(kMostListed));
     }
   }
   if (in_.hold_ns() < kLeastHold_ns || in_.hold_ns() > kMostHold_ns) {
-    return "its hold_ms is impossible";
+    return Status::Error("its hold_ms is impossible");
   }
-  return "";
+  return Status::Ok();
 }
 
 // It may come from whoever has the peer's address now, so nothing here depends on it.
@@ -247,8 +250,8 @@ void Standby::MeasureClock(std::int64_t now_ns) {
 bool Standby::Next(Step& step) {
   step = Step();
   if (!channel_->Receive(bytes_)) return false;
-  if (std::string why = Read(); !why.empty()) {
-    Refuse(std::move(why));
+  if (const Status status = Read(); !status.ok()) {
+    Refuse(status.message());
     return true;
   }
   const std::int64_t now_ns = Now_ns();
@@ -304,13 +307,16 @@ Standby::Change Standby::OnTime() {
   return change;
 }
 
-std::string Standby::RequestLead() {
-  if (leads()) return "";
-  if (!ready()) return "this daemon would not go on as the leader does: " + WhyNot();
+Status Standby::RequestLead() {
+  if (leads()) return Status::Ok();
+  if (!ready()) {
+    return pipeline::Refused(v1::CODE_NOT_READY,
+                             "lead: this daemon would not go on as the leader does: " + WhyNot());
+  }
   roles_.RequestLead();
   (void)NewEntry();
   Send(Now_ns(), clock_.base().Wall_ns());
-  return "";
+  return Status::Ok();
 }
 
 void Standby::Leave() {

@@ -80,7 +80,7 @@ class Standby {
   std::int64_t NextDeadline_ns() const { return sent_ns_ + beat_ns_; }
   // Somebody wants this daemon to lead. Returns why it cannot, or "": it does so as soon as the
   // leader has said goodbye, or is silent.
-  std::string RequestLead();
+  Status RequestLead();
   // Tells the other one that this daemon stops, so that it need not wait.
   void Leave();
 
@@ -145,7 +145,7 @@ class Standby {
 
   Change Note(Change change);
   // Reads the message in bytes_ into in_. Returns why it is none of the other daemon, or "".
-  std::string Read();
+  Status Read();
   void Refuse(std::string why);
   void NotePair(const Peer& peer, std::int64_t now_ns);
   void MeasureClock(std::int64_t now_ns);

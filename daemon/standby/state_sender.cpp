@@ -139,15 +139,11 @@ void StateSender::FillCheckpoint(const std::string& id, v1::Checkpoint& checkpoi
   if (id == kJournalSequences) {
     checkpoint.set_sequence(performance_.roster.FirstSequence());
   } else {
-    v1::Request request;
-    request.set_performer(id);
-    request.mutable_take_checkpoint();
-    v1::Reply reply;
-    TakeCheckpoint(request, performance_.roster, performance_.clock.Now_ns(),
-                   performance_.clock.Wall_ns(), reply);
+    auto taken = TakeCheckpoint(id, performance_.roster, performance_.clock.Now_ns(),
+                                performance_.clock.Wall_ns());
     // There is no checkpoint of a performer who is gone or not calibrated yet: the message then has
     // their name alone.
-    if (reply.code() == v1::CODE_OK) checkpoint.Swap(reply.mutable_checkpoint());
+    if (taken.ok()) checkpoint.Swap(&taken.value());
   }
   checkpoint.set_performer(id);
 }

@@ -55,8 +55,8 @@ Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
   }
   const auto known = config.made.find(name);
   const bool same = known != config.made.end() && known->second->file_hash == HashOf(text.value());
-  const Refusal refusal = same ? Refusal() : PutStyle(std::move(style.value()), config);
-  if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.reason);
+  const Status refusal = same ? Status::Ok() : PutStyle(std::move(style.value()), config);
+  if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.message());
   config.kept.insert(name);
   return Status::Ok();
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/text.h"
 #include "model/body/heading.h"
 #include "model/rig/dialects.h"
@@ -119,13 +120,12 @@ v1::PreviewReply Render(const RuntimeConfig& config, int style) {
 
 }  // namespace
 
-void Previews::Make(const RuntimeConfig& config, const std::string& style, v1::Reply& reply) {
+Status Previews::Make(const RuntimeConfig& config, const std::string& style,
+                      v1::PreviewReply& reply) {
   const net::Styles& styles = config.network->model().styles;
   const int number = net::FindStyle(styles, style);
   if (number < 0) {
-    reply.set_code(v1::CODE_UNKNOWN_STYLE);
-    reply.set_reason("preview: no style \"" + Printable(style, 80) + "\"; see list");
-    return;
+    return Refused(v1::CODE_UNKNOWN_STYLE, "no style \"" + Printable(style, 80) + "\"; see list");
   }
   const std::string& name = styles[static_cast<std::size_t>(number)].name;
   const auto made = config.made.find(name);
@@ -133,16 +133,17 @@ void Previews::Make(const RuntimeConfig& config, const std::string& style, v1::R
   const auto known = kept_.find(name);
   if (known != kept_.end() && known->second.weights_crc == config.weights_crc &&
       known->second.style == current) {
-    *reply.mutable_preview() = known->second.preview;
-    return;
+    reply = known->second.preview;
+    return Status::Ok();
   }
   std::erase_if(kept_, [&config](const auto& kept) {  // of former weights, or of removed styles
     const auto& [of, what] = kept;
     return what.weights_crc != config.weights_crc ||
            (what.style != nullptr && !config.made.contains(of));
   });
-  *reply.mutable_preview() = Render(config, number);
-  kept_[name] = {config.weights_crc, current, reply.preview()};
+  reply = Render(config, number);
+  kept_[name] = {config.weights_crc, current, reply};
+  return Status::Ok();
 }
 
 }  // namespace styled::pipeline

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "daemon/looks/runtime_config.h"
+#include "model/base/status.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
@@ -17,7 +18,7 @@ namespace styled::pipeline {
 class Previews {
  public:
   // Answers for a style by its name or alias. CODE_UNKNOWN_STYLE: there is no such style.
-  void Make(const RuntimeConfig& config, const std::string& style, v1::Reply& reply);
+  Status Make(const RuntimeConfig& config, const std::string& style, v1::PreviewReply& reply);
 
  private:
   struct Kept {

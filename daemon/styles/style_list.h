@@ -21,20 +21,20 @@ struct Place {
 
 // Refuses names that earlier versions allowed and new styles may not have: a name that looks like
 // an option, and words of stylectl and OSC ("panic", "bypass"), in any case.
-Refusal CheckNewName(const std::string& name);
+Status CheckNewName(const std::string& name);
 
 // Refuses a name that is malformed, a preset's, or that of one of the weights' styles; and any name
 // if there are net::kMaxAdded already.
-Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& place);
+Status FindPlace(const RuntimeConfig& config, const std::string& name, Place& place);
 
 // The made style with this name, in any case.
-Refusal FindMade(const RuntimeConfig& config, const std::string& name,
-                 std::shared_ptr<const MadeStyle>& style);
+Status FindMade(const RuntimeConfig& config, const std::string& name,
+                std::shared_ptr<const MadeStyle>& style);
 
 // Adds the style to the configuration, or replaces the made style of the same name; performers in
 // that style fade over. Fills nearest and distance. Refuses as FindPlace does, and refuses weights
 // without a style encoder and a code that does not fit them; the configuration is then unchanged.
-Refusal PutStyle(MadeStyle style, RuntimeConfig& config);
+Status PutStyle(MadeStyle style, RuntimeConfig& config);
 
 // The places of the configuration's styles, and those in `fading` that are known.
 Places PlacesOf(const RuntimeConfig& config);
@@ -47,24 +47,23 @@ bool HasPlaces(const RuntimeConfig& config, const Places& places);
 // the list, but not from the library. Refuses a list with a style that was not made here, or with
 // one twice; the configuration is then unchanged. Performers in one of these styles must be bound
 // again.
-Refusal ArrangeStyles(const Places& places, RuntimeConfig& config);
+Status ArrangeStyles(const Places& places, RuntimeConfig& config);
 
 // Renames a made style; performers that show it are not affected. Refuses as FindPlace and
 // CheckNewName do, and refuses a name in use and a style that the configuration's presets, cues or
 // [style] name.
-Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config);
+Status RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config);
 
 // Removes the made style of this number from the list.
 void RetireStyle(int number, RuntimeConfig& config);
 
 // Removes a made style; performers that show it fade out. Refuses a style that the configuration
 // names.
-Refusal RemoveStyle(const MadeStyle& style, RuntimeConfig& config);
+Status RemoveStyle(const MadeStyle& style, RuntimeConfig& config);
 
 // The code, limited to what the weights support. Refuses a code of another size, and numbers that
 // are not finite or are huge.
-Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
-                  const std::string& what);
+Status CheckCode(const net::StyleSpace& space, const net::StyleCode& code, const std::string& what);
 
 // "crc32c:" and eight digits.
 std::string HashText(std::uint32_t crc);

@@ -5,6 +5,7 @@
 #include "daemon/looks/mailboxes.h"
 #include "daemon/looks/runtime_config.h"
 #include "daemon/styles/preview.h"
+#include "model/base/status.h"
 
 // Requests that are executed outside the pipeline: to make, exchange, rename, remove and show
 // styles.
@@ -27,11 +28,14 @@ class StyleRequests {
   const std::string& error() const { return error_; }
 
  private:
-  std::shared_ptr<const RuntimeConfig> Make(const RuntimeConfig& running, Exchange& exchange);
-  std::shared_ptr<const RuntimeConfig> Arrange(const RuntimeConfig& running, Exchange& exchange);
-  std::shared_ptr<const RuntimeConfig> Import(const RuntimeConfig& running, Exchange& exchange);
-  std::shared_ptr<const RuntimeConfig> Rename(const RuntimeConfig& running, Exchange& exchange);
-  std::shared_ptr<const RuntimeConfig> Remove(const RuntimeConfig& running, Exchange& exchange);
+  using Outcome = Result<std::shared_ptr<const RuntimeConfig>>;
+  // Each does one request, and fills its part of the reply.
+  Outcome Execute(const RuntimeConfig& running, Exchange& exchange);
+  Outcome Make(const RuntimeConfig& running, Exchange& exchange);
+  Outcome Arrange(const RuntimeConfig& running, Exchange& exchange);
+  Outcome Import(const RuntimeConfig& running, Exchange& exchange);
+  Outcome Rename(const RuntimeConfig& running, Exchange& exchange);
+  Outcome Remove(const RuntimeConfig& running, Exchange& exchange);
 
   Previews previews_;
   std::string log_line_, error_;

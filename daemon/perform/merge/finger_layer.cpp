@@ -59,15 +59,15 @@ FingerLayer::FingerLayer(const rig::TailSet& wanted, rig::JointNames names,
                          config::Smoothing smoothing)
     : wanted_(wanted), names_(std::move(names)), options_(smoothing) {}
 
-FingerLayer::Body FingerLayer::AcceptBody(const source::SourceFrame& frame, std::int64_t now_ns,
-                                          std::string& why) {
+Result<FingerLayer::Body> FingerLayer::AcceptBody(const source::SourceFrame& frame,
+                                                  std::int64_t now_ns) {
   why_ = Admit(frame, now_ns);
   if (why_ != kAccepted) return Body::kNotNext;
   admission_.session_has_body = true;
   if (crc_ == frame.body_crc) return Body::kSame;
   if (!admission_.MayChangeBody(now_ns)) {
-    why = "the body changes again and again, expected twice a second at most: the last one stays";
-    return Body::kRefused;
+    return Status::Error(
+        "the body changes again and again, expected twice a second at most: the last one stays");
   }
   crc_ = frame.body_crc;
   v1::Body body;
@@ -75,8 +75,7 @@ FingerLayer::Body FingerLayer::AcceptBody(const source::SourceFrame& frame, std:
       source::ReadBody(frame, body) ? Bind(body) : Status::Error("body: not a styled.v1.Body");
   if (status.ok()) return Body::kBound;
   bound_.reset();
-  why = status.message();
-  return Body::kRefused;
+  return status;
 }
 
 Status FingerLayer::Bind(const v1::Body& body) {

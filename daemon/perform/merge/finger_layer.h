@@ -31,13 +31,11 @@ class FingerLayer : public MergedPart {
 
   const rig::TailSet& wanted() const { return wanted_; }
 
-  // What became of a body.
-  enum class Body : std::uint8_t { kSame, kBound, kRefused, kNotNext };
-  // Takes over the body that the source's poses belong to: a whole one, or hands alone. Refused:
-  // what cannot be bound, or has no wanted finger; `why` gets the reason once for each such body,
-  // and the fingers fall silent. Not next: an old body, or another sender's; why() tells.
-  // `now_ns`: monotonic.
-  Body AcceptBody(const source::SourceFrame& body, std::int64_t now_ns, std::string& why);
+  enum class Body : std::uint8_t { kSame, kBound, kNotNext };
+  // Accepts the body of the source's poses: a whole one, or hands alone. An error, once for each
+  // such body, if it cannot be bound or has no wanted finger; the fingers then fall silent. Not
+  // next: an old body, or another sender's; why() is the counter. `now_ns`: monotonic.
+  Result<Body> AcceptBody(const source::SourceFrame& body, std::int64_t now_ns);
   runtime::Counter why() const { return why_; }  // what the last body counts as that was not next
   // Takes a frame over; kAccepted, or what it is refused as. A joint that is not tracked, not
   // finite or of no length keeps its last rotation, and counts as silent.

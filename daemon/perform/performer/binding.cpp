@@ -4,19 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "daemon/runtime/clock.h"
 #include "model/rig/calibration.h"
 
 namespace styled::pipeline {
-namespace {
-
-v1::Code Refuse(v1::Code code, std::string reason, v1::Reply& reply) {
-  reply.set_reason(std::move(reason));
-  return code;
-}
-
-}  // namespace
-
 Status PerformerBinding::Accept(const source::SourceFrame& frame, const Profile& profile,
                                 const rig::JointNames& names) {
   v1::Body body;
@@ -54,40 +46,42 @@ Status PerformerBinding::Bind(const Profile& profile, const rig::JointNames& nam
   return Status::Ok();
 }
 
-v1::Code PerformerBinding::Forget(Profile& profile, const rig::JointNames& names,
-                                  v1::Reply& reply) {
+Status PerformerBinding::Forget(Profile& profile, const rig::JointNames& names) {
   const auto before = std::exchange(profile.rest, std::nullopt);
   const Status status = Bind(profile, names);
-  if (status.ok()) return v1::CODE_OK;
+  if (status.ok()) return status;
   profile.rest = before;
-  return Refuse(v1::CODE_BAD_POSE, "without a calibration " + status.message(), reply);
+  return Refused(v1::CODE_BAD_POSE, "without a calibration " + status.message());
 }
 
-v1::Code PerformerBinding::Calibrate(const v1::Calibrate& request, Profile& profile,
-                                     const rig::JointNames& names, std::int64_t now_ns,
-                                     v1::Reply& reply) {
+Result<v1::CalibrateReply> PerformerBinding::Calibrate(const v1::Calibrate& request,
+                                                       Profile& profile,
+                                                       const rig::JointNames& names,
+                                                       std::int64_t now_ns) {
   constexpr std::int64_t kLive_ns = 300 * runtime::kMillisecond_ns;  // rigs send at 24 Hz or more
   if (!has_body() || now_ns - history_->last_ns() > kLive_ns) {
-    return Refuse(v1::CODE_NOT_READY,
-                  profile.id + ": no frame in the last 0.3 s, expected a performer who is live",
-                  reply);
+    return Refused(v1::CODE_NOT_READY,
+                   profile.id + ": no frame in the last 0.3 s, expected a performer who is live");
   }
-  if (request.clear()) return Forget(profile, names, reply);
+  v1::CalibrateReply result;
+  if (request.clear()) {
+    Status status = Forget(profile, names);
+    return status.ok() ? Result<v1::CalibrateReply>(result) : status;
+  }
   constexpr float kStill_rad = 0.09F;  // 5 degrees
   const auto moved = history_->Moved();
   if (moved.radians > kStill_rad) {
-    return Refuse(v1::CODE_NOT_READY,
-                  given_.names(static_cast<int>(moved.joint)) + " turned by " +
-                      std::to_string(std::lround(moved.radians * 57.3F)) +
-                      " degrees within 0.4 s, expected a performer who stands still",
-                  reply);
+    return Refused(v1::CODE_NOT_READY,
+                   given_.names(static_cast<int>(moved.joint)) + " turned by " +
+                       std::to_string(std::lround(moved.radians * 57.3F)) +
+                       " degrees within 0.4 s, expected a performer who stands still");
   }
   const auto skeleton = ReadSkeleton(given_);
   auto made = rig::Calibrate(
       skeleton.value(), history_->pose(),
       request.pose() == v1::Calibrate::POSE_N ? rig::StandingPose::kN : rig::StandingPose::kT,
       names);
-  if (!made.ok()) return Refuse(v1::CODE_BAD_POSE, made.status().message(), reply);
+  if (!made.ok()) return Refused(v1::CODE_BAD_POSE, made.status().message());
   const rig::Calibrated& calibrated = made.value();
   const auto before =
       std::exchange(profile.rest, KeptRest{SkeletonHash(skeleton.value()), calibrated.mirrored,
@@ -95,13 +89,12 @@ v1::Code PerformerBinding::Calibrate(const v1::Calibrate& request, Profile& prof
                                            calibrated.spec.rest_rotations});
   if (const Status status = Bind(profile, names); !status.ok()) {
     profile.rest = before;
-    return Refuse(v1::CODE_BAD_POSE, status.message(), reply);
+    return Refused(v1::CODE_BAD_POSE, status.message());
   }
-  auto& result = *reply.mutable_calibrate();
   result.set_worst_joint(calibrated.bones.front().joint);
   result.set_worst_degrees(calibrated.bones.front().degrees);
   result.set_left_handed(calibrated.mirrored);
-  return v1::CODE_OK;
+  return result;
 }
 
 bool PerformerBinding::Receive(const source::SourceFrame& frame, std::int64_t receive_ns) noexcept {

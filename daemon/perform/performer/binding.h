@@ -31,9 +31,9 @@ class PerformerBinding {
   Status Accept(const source::SourceFrame& body, const Profile& profile,
                 const rig::JointNames& names);
   // Executes Calibrate (control.proto) for rigs with a skeleton: writes profile.rest and binds
-  // anew. With any code but CODE_OK nothing changes, and the reply gets a reason.
-  v1::Code Calibrate(const v1::Calibrate& request, Profile& profile, const rig::JointNames& names,
-                     std::int64_t now_ns, v1::Reply& reply);
+  // again. After an error, which has a code, nothing is changed.
+  Result<v1::CalibrateReply> Calibrate(const v1::Calibrate& request, Profile& profile,
+                                       const rig::JointNames& names, std::int64_t now_ns);
 
   bool has_body() const { return history_ != nullptr; }
   bool waits() const { return has_body() && !bound_; }
@@ -50,7 +50,7 @@ class PerformerBinding {
 
  private:
   Status Bind(const Profile& profile, const rig::JointNames& names);
-  v1::Code Forget(Profile& profile, const rig::JointNames& names, v1::Reply& reply);
+  Status Forget(Profile& profile, const rig::JointNames& names);
 
   v1::Body given_;                        // as the rig sent it
   std::unique_ptr<PoseHistory> history_;  // of given_'s skeleton

@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/crc32c.h"
 #include "model/base/text.h"
 
@@ -59,40 +60,39 @@ Status Performer::AcceptBody(const source::SourceFrame& body, const RuntimeConfi
   return status;
 }
 
-v1::Code Performer::Calibrate(const v1::Calibrate& request, const RuntimeConfig& config,
-                              std::int64_t now_ns, v1::Reply& reply) {
+Result<v1::CalibrateReply> Performer::Calibrate(const v1::Calibrate& request,
+                                                const RuntimeConfig& config, std::int64_t now_ns) {
   KeepNeutral();
-  const v1::Code code = binding_.Calibrate(request, profile, Names(config), now_ns, reply);
-  if (code == v1::CODE_OK) UseBinding(config);
-  return code;
+  auto calibrated = binding_.Calibrate(request, profile, Names(config), now_ns);
+  if (calibrated.ok()) UseBinding(config);
+  return calibrated;
 }
 
-v1::Code Performer::CalibrateNeutral(const v1::Calibrate& request, v1::Reply& reply) {
+Status Performer::CalibrateNeutral(const v1::Calibrate& request) {
   constexpr float kUsual_s = 5, kLongest_s = 60;
   if (request.clear()) {
     profile.neutral.reset();
     if (styling_) styling_->stylist().ForgetNeutral();
-    return v1::CODE_OK;
+    return Status::Ok();
   }
   const float seconds = request.seconds() == 0 ? kUsual_s : request.seconds();
   if (!(seconds >= 1 && seconds <= kLongest_s)) {
-    reply.set_reason("calibrate: seconds: found " + NumberText(request.seconds()) +
-                     ", expected 1 to " + NumberText(kLongest_s));
-    return v1::CODE_OUT_OF_RANGE;
+    return Refused(v1::CODE_OUT_OF_RANGE, "calibrate: seconds: found " +
+                                              NumberText(request.seconds()) + ", expected 1 to " +
+                                              NumberText(kLongest_s));
   }
   if (!styling_ || !admission.live()) {
-    reply.set_reason(profile.id + ": expected a performer whose frames come and are bound");
-    return v1::CODE_NOT_READY;
+    return Refused(v1::CODE_NOT_READY,
+                   profile.id + ": expected a performer whose frames come and are bound");
   }
   if (!styling_->stylist().has_neutral()) {
-    reply.set_reason(
-        "calibrate: these weights do not know how their performers stand and walk, or [model] "
-        "neutral is false; expected weights of version 3");
-    return v1::CODE_NOT_READY;
+    return Refused(v1::CODE_NOT_READY,
+                   "calibrate: these weights do not know how their performers stand and walk, or "
+                   "[model] neutral is false; expected weights of version 3");
   }
   styling_->stylist().CalibrateNeutral(seconds);
   calibrates_neutral_ = true;
-  return v1::CODE_OK;
+  return Status::Ok();
 }
 
 std::optional<KeptNeutral> Performer::TellNeutral() const {

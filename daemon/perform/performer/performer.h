@@ -43,10 +43,10 @@ class Performer {
   // if there is none and at least its joints are recognized, the performer waits for a calibration.
   Status AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config);
   // Calls PerformerBinding::Calibrate and makes a stylist for the new binding. Allocates.
-  v1::Code Calibrate(const v1::Calibrate& request, const RuntimeConfig& config, std::int64_t now_ns,
-                     v1::Reply& reply);
+  Result<v1::CalibrateReply> Calibrate(const v1::Calibrate& request, const RuntimeConfig& config,
+                                       std::int64_t now_ns);
   // Executes Calibrate with `neutral` (control.proto).
-  v1::Code CalibrateNeutral(const v1::Calibrate& request, v1::Reply& reply);
+  Status CalibrateNeutral(const v1::Calibrate& request);
   // What the stylist knows of the performer's neutral goes into the profile, before either ends.
   void KeepNeutral();
   // The same, to be saved; that of the profile where there is no stylist.

@@ -24,9 +24,9 @@ class FingerLayerTest : public testing::Test {
  protected:
   FingerLayer Layer(const rig::TailSet& wanted = kBothHands) { return FingerLayer(wanted, {}, {}); }
   std::string Accept(FingerLayer& layer, const source::SourceFrame& body) {
-    std::string why;
-    became_ = layer.AcceptBody(body, now_ns_, why);
-    return why;
+    const auto accepted = layer.AcceptBody(body, now_ns_);
+    became_ = accepted.ok() ? std::optional(accepted.value()) : std::nullopt;
+    return accepted.status().message();
   }
   // Frames of the glove at 100 Hz for so long, and the performer's time with it.
   void Play(FingerLayer& layer, Glove& glove, int ms) {
@@ -44,7 +44,7 @@ class FingerLayerTest : public testing::Test {
   }
 
   std::int64_t now_ns_ = 1'000 * kMs;
-  FingerLayer::Body became_ = FingerLayer::Body::kSame;
+  std::optional<FingerLayer::Body> became_;  // empty: refused
 };
 
 TEST_F(FingerLayerTest, WithoutAFrameThePerformersOwnStay) {
@@ -221,7 +221,7 @@ TEST_F(FingerLayerTest, ABodyWithoutFingersIsRefusedOnceASession) {
   FingerLayer layer = Layer();
   Glove bare{rig::TailSet()};
   EXPECT_THAT(Accept(layer, bare.Body()), HasSubstr("found no finger below a hand"));
-  EXPECT_EQ(became_, FingerLayer::Body::kRefused);
+  EXPECT_EQ(became_, std::nullopt);
   EXPECT_EQ(Accept(layer, bare.Body()), "");
   EXPECT_EQ(became_, FingerLayer::Body::kSame) << "the body comes once a second";
   EXPECT_EQ(layer.Accept(bare.Frame(), now_ns_), Counter::kPipelineUncalibrated);
