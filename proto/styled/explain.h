@@ -21,7 +21,7 @@ std::string CureText(const RefusalReason& reason, std::string_view performer);
 
 // What became of a frame, why, and what to do about it, in a sentence or a few: "frame 1234:
 // published without style for 3.1 ms. ...". The same text in stylectl, the page and stylerec. Empty
-// fields are left out. Allocates; any thread. Pinned by tests/unit/styled/explain_test.cpp.
+// fields are left out. Allocates; any thread. Pinned by tests/unit/daemon/perform/explain_test.cpp.
 std::string ExplainText(const v1::FrameFate& fate);
 
 // The same without number and times: what is the same of many frames in a row, so that they can be

@@ -352,5 +352,42 @@ TEST_F(CliTest, AnExportHasTheFormatOfItsFilesExtension) {
   EXPECT_EQ(text("x.glb"), text("two"));
 }
 
+recording::Record Decided(std::int64_t time_ns, const v1::FrameFate& fate) {
+  recording::Record record;
+  record.set_time_ns(time_ns);
+  record.mutable_decided()->set_source("rig");
+  *record.mutable_decided()->add_frames() = fate;
+  return record;
+}
+
+TEST_F(CliTest, ExplainSaysWhatTheDaemonMadeOfEachFrame) {
+  std::vector<recording::Record> records = Motion();
+  for (std::uint64_t i = 1; i <= 20; ++i) {
+    v1::FrameFate fate;
+    fate.set_performer("rig.a");
+    fate.set_source_sequence(i);
+    fate.set_fate(i == 7 ? v1::FATE_REFUSED : v1::FATE_STYLED);
+    if (i == 7) fate.set_reason("pipeline.duplicate");
+    if (i != 7) fate.set_sequence(100 + i);
+    if (i == 20) fate.set_flags(v1::FLAG_BYPASS);
+    records.push_back(Decided(static_cast<std::int64_t>(i), fate));
+  }
+  const std::string file = Write("decided.styrec", records);
+  ASSERT_EQ(Run({"explain", file, "rig.a"}), kExitOk) << err_.str();
+  EXPECT_EQ(out_.str(),
+            "frames 101 to 106 (6): published.\n"
+            "frame 7 of the sender: refused. The frame was refused because the sequence number was "
+            "received before: look whether something on the way sends everything twice, or two "
+            "senders use one session.\n"
+            "frames 108 to 119 (12): published.\n"
+            "frame 120: published. No style is set: stylectl set rig.a --style NAME.\n");
+  ASSERT_EQ(Run({"explain", file, "rig.a", "110"}), kExitOk) << err_.str();
+  EXPECT_EQ(out_.str(), "frame 110: published.\n");
+  EXPECT_NE(Run({"explain", file, "rig.a", "7"}), kExitOk);
+  EXPECT_THAT(err_.str(), HasSubstr("found no frame of rig.a with number 7"));
+  EXPECT_NE(Run({"explain", Write("motion.styrec", Motion()), "rig.a"}), kExitOk);
+  EXPECT_THAT(err_.str(), HasSubstr("expected a recording of the daemon ([record])"));
+}
+
 }  // namespace
 }  // namespace styled::rec
