@@ -17,7 +17,7 @@ void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& o
   mixer.Advance(dt_s);
   if (rests && Bypassed()) predictor.Skip();
   UpdateTravel(out);
-  TakeOutNeutral(out.canonical_input);
+  RemoveNeutral(out.canonical_input);
 }
 
 // Handles jumps, gaps and changes of rate; sets kConcealed.
@@ -76,14 +76,14 @@ void Stylist::Impl::UpdateTravel(Output& out) noexcept {
 }
 
 // What a performer does in another style tells nothing of their neutral.
-void Stylist::Impl::TakeOutNeutral(const body::Pose& input) noexcept {
+void Stylist::Impl::RemoveNeutral(const body::Pose& input) noexcept {
   const neutral::Reference* const reference = Reference();
   if (reference == nullptr) {
     seen = input;
     return;
   }
   neutral.Follow(input, static_cast<float>(dt_s), mixer.input_style() == 0, *reference);
-  neutral.TakeOut(input, seen);
+  neutral.RemoveCarriage(input, seen);
 }
 
 }  // namespace styled::stylist

@@ -41,7 +41,7 @@ struct Stylist::Impl {
   STYLED_REALTIME void Restart() noexcept;
   STYLED_REALTIME void RestartAfterGap() noexcept;
   STYLED_REALTIME void UpdateTravel(Output& out) noexcept;
-  STYLED_REALTIME void TakeOutNeutral(const body::Pose& input) noexcept;
+  STYLED_REALTIME void RemoveNeutral(const body::Pose& input) noexcept;
   STYLED_REALTIME float Shown(body::Part part) const noexcept;
   STYLED_REALTIME bool Bypassed() const noexcept;
   STYLED_REALTIME void FallBackToInput(Output& out) noexcept;
