@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/log/recorder.h"
+#include "daemon/looks/refusal.h"
 
 namespace styled::standby {
 namespace {

@@ -55,7 +55,7 @@ class Replication {
       in_.to_.OnArrival(arrival);
     }
     void OnNote(int source, const std::string& text) override { in_.to_.OnNote(source, text); }
-    void OnNews(int source, const std::string& text) override { in_.to_.OnNews(source, text); }
+    void OnNotice(int source, const std::string& text) override { in_.to_.OnNotice(source, text); }
 
    private:
     Replication& in_;
