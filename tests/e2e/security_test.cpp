@@ -110,7 +110,7 @@ void ExpectNoGap(const Subscriber& subscriber, const std::string& who) {
 
 const std::vector<std::string> kRigTopics{"body/", "styled/rig.a/rig/"};
 
-TEST(SecurityTest, WhoHasAKeyGetsFramesAndNobodyElseDoes) {
+TEST(SecurityTest, OnlyClientsWithAKeyGetFrames) {
   Guarded guarded;
   const CurveKeys anna = guarded.Allow("anna", "subscriber");
   const CurveKeys stranger = guarded.NewClient("stranger");

@@ -12,7 +12,7 @@
 namespace styled::hostile {
 namespace {
 
-TEST(DiskTest, ThatDoesNotAnswerKeepsNobodyWaiting) {
+TEST(DiskTest, AHungDiskDelaysNoClient) {
   constexpr double kFsync_s = 4;
   ServiceManager manager;
   const support::TemporaryFolder folder;

@@ -355,7 +355,7 @@ TEST_F(NatsRecordingTest, AViewerReadsAndOnlyAnOperatorBeginsAndDeletes) {
   EXPECT_EQ(Stylerec("operator", {"jetstream", "status"}).code, 1);
 }
 
-TEST_F(NatsRecordingTest, SaysWhatIsMissing) {
+TEST_F(NatsRecordingTest, MissingFramesAreReported) {
   const Outcome large = Stylerec("operator", {"jetstream", "create", "--max-gb", "100000"});
   EXPECT_EQ(large.code, 1);
   EXPECT_THAT(large.err, HasSubstr("expected fewer --max-gb, or more max_file"));

@@ -230,7 +230,7 @@ TEST_F(GltfReadTest, AnAPoseIsSwungAndAVrmOutOfTPoseIsRefused) {
   EXPECT_THAT(refused.status().message(), HasSubstr("46 degrees off a T-pose"));
 }
 
-TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
+TEST_F(GltfReadTest, AFileWithoutAnAvatarIsRefusedWithTheReason) {
   EXPECT_THAT(ReadGltfSkeleton("/nowhere/a.vrm").status().message(),
               HasSubstr("/nowhere/a.vrm: No such file"));
   EXPECT_THAT(ReadGltfSkeleton("/").status().message(), HasSubstr("is a folder"));

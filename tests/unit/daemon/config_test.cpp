@@ -220,7 +220,7 @@ TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
   EXPECT_THAT(Complaint("[control]\naddress = 'tcp://[::]:1'\n"), HasSubstr("(security.keys)"));
 }
 
-TEST_F(ConfigTest, WhoMayConnectToAnIpcPathIsRead) {
+TEST_F(ConfigTest, ThePermissionsOfAnIpcPathAreRead) {
   const auto config = LoadText(
       "[publish]\nipc_mode = '0660'\nipc_users = ['anna', 1001]\n[control]\nipc_mode = '600'\n");
   ASSERT_TRUE(config.ok()) << config.status().message();
@@ -378,7 +378,7 @@ TEST_F(ConfigTest, OverridesAreAsStrictAsTheFile) {
   EXPECT_THAT(EnvironmentOverrides(typo).status().message(), HasSubstr("nearest is \"address\""));
 }
 
-TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
+TEST_F(ConfigTest, NatNetsServerIsValidatedWithoutARequest) {
   const std::string source = "[[source]]\nname = \"o\"\ntype = \"natnet\"\n";
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
   EXPECT_THAT(Complaint(source), HasSubstr("source.0.server: \"\"; expected an IPv4 address"));
@@ -388,7 +388,7 @@ TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
               HasSubstr("source.0.group: \"10.0.0.2\"; expected an IPv4 multicast address"));
 }
 
-TEST_F(ConfigTest, WhatQtmIsToAskIsJudgedWithoutAskingIt) {
+TEST_F(ConfigTest, QtmsServerIsValidatedWithoutARequest) {
   const std::string source = "[[source]]\nname = \"o\"\ntype = \"qtm\"\n";
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10:22225\"\n"), "");

@@ -88,7 +88,7 @@ TEST_F(MakeCueTest, ACueIsTheRequestsThatItMeans) {
   EXPECT_TRUE(Make([](config::Cue& cue) { cue.panic = true; }).value().request.has_panic());
 }
 
-TEST_F(MakeCueTest, WhatCannotBeFiredIsRefusedWithItsPlace) {
+TEST_F(MakeCueTest, AnInvalidCueIsRefusedWithItsPlace) {
   const std::string place = "show.toml:7: cue \"entrance\": ";
   EXPECT_EQ(Complaint([](config::Cue& cue) {
               cue.style = "style1";

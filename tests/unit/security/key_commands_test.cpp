@@ -69,7 +69,7 @@ TEST_F(KeyCommandsTest, ClientsAreLetInShownAndRevoked) {
   EXPECT_EQ(keys::ReadClients(keys_).value().allowed.size(), 1U);
 }
 
-TEST_F(KeyCommandsTest, WhatIsWrongIsSaidAndNothingChanges) {
+TEST_F(KeyCommandsTest, ErrorsAreReportedAndNothingChanges) {
   const std::string key = keys::MakePair().value().public_key;
   EXPECT_EQ(RunAt({"allow", "anna", "nonsense"}), kExitRefused);
   EXPECT_THAT(err_.str(), HasSubstr("'nonsense' is not a public key; expected 40 characters"));
