@@ -177,6 +177,11 @@ class Words(unittest.TestCase):
         self.assertEqual(3, lines)
         self.assertEqual([(2, "nobody"), (4, "goes on")], found(comments))
 
+    def test_manual_pages_are_read(self):
+        lines, pages, _, _ = words.scan("a.1.scd", "# DESCRIPTION\n\nListens.\nNobody\nconnects.\n")
+        self.assertEqual(4, lines)
+        self.assertEqual([(4, "Nobody")], found(pages))
+
     def test_a_sentence_is_found_across_lines(self):
         text = "// The pose that the client was\n// asked for.\n"
         self.assertEqual([(1, "was asked")], found(words.scan("a.h", text)[1]))
