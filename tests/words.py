@@ -88,6 +88,11 @@ MARKS = [
 # (pattern in code, what to write instead, files in which it stays and why).
 NAMES = [
     (r"\bTakes?\(", "the one verb that is meant: Accept, Apply, Pop, Decode, Sample, Add", {}),
+    # TakeCheckpoint is a request's name on the wire (take_checkpoint), TakeOf a test's recording.
+    (r"\bTake(?!Checkpoint\b|Of\b)[A-Z]\w*\(", "ReadX, HandleX, CopyX", {}),
+    (r"\bSay([A-Z]\w*)?\(", "Report, Log, SetStatus", {}),
+    (r"\bAsks[A-Z]\w*\(", "Requests, Requires", {}),
+    (r"\b(Who|What)[A-Z]\w*\(", "Find, List, the noun itself", {}),
     (r"\bk?Taken\b", "kAccepted", {}),
     (r"\b(said|told)_\w*", "logged_, printed_, advertised_", {}),
     (r"\b\w*Wish(es)?\b", "Request, Options", {}),
