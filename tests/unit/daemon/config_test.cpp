@@ -209,7 +209,7 @@ TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
     const auto config = LoadText(text);
     EXPECT_TRUE(config.ok()) << config.status().message();
     const Publish& publish = config.value().publish;
-    return AsksForKeys(config.value(), publish.address, publish.allow_unauthenticated_remote);
+    return RequiresKeys(config.value(), publish.address, publish.allow_unauthenticated_remote);
   };
   EXPECT_TRUE(asks(keys + "[publish]\naddress = 'tcp://0.0.0.0:1'\n"));
   EXPECT_FALSE(asks(keys));
