@@ -329,7 +329,7 @@ TEST_F(NatsRecordingTest, AViewerReadsAndOnlyAnOperatorBeginsAndDeletes) {
   const Outcome refused = Stylerec("viewer", {"jetstream", "delete", "--yes"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_THAT(refused.err, HasSubstr("ermissions Violation"));
-  EXPECT_THAT(refused.err, HasSubstr("expected the login of a user who may"));
+  EXPECT_THAT(refused.err, HasSubstr("expected the login of a user with that permission"));
   // Without the wait for an answer that does not come.
   const auto asks = [](NatsUser& user, const std::string& subject) {
     natsMsg* answer = nullptr;

@@ -250,7 +250,7 @@ TEST_F(GltfReadTest, AFileWithoutAnAvatarIsRefusedWithTheReason) {
     EXPECT_THAT(message, testing::Not(HasSubstr("json.exception"))) << message;
   }
   ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {1, 2, 1}; }, "stretched unevenly");
-  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "no turn and scale");
+  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "not a rotation and scale");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, "its own ancestor");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {999}; }, "does not exist");
   ExpectRefused([](json& a) { a["nodes"][2]["children"].push_back(21); }, "hangs from two nodes");

@@ -423,7 +423,7 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   EXPECT_THAT(Complaint(phone(asked + "server = \"phone\"\n")),
               HasSubstr("source.1.server: \"phone\"; expected the phone's IPv4 address"));
   EXPECT_THAT(Complaint(phone(asked + "listen = \"127.0.0.1:49983\"\nserver = \"127.0.0.1\"\n")),
-              HasSubstr("is where the source itself listens"));
+              HasSubstr("is the source's own address"));
   EXPECT_THAT(Complaint(rig + "smooth_hz = 0.01\n"), HasSubstr("expected 0, or 0.1 to 60 Hz"));
 }
 

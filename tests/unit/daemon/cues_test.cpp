@@ -95,7 +95,7 @@ TEST_F(MakeCueTest, AnInvalidCueIsRefusedWithItsPlace) {
               cue.at = "10:00";
             }),
             place + "at: \"10:00\"; expected HH:MM:SS:FF");
-  EXPECT_THAT(Complaint([](config::Cue&) {}), HasSubstr(place + "expected what to do"));
+  EXPECT_THAT(Complaint([](config::Cue&) {}), HasSubstr(place + "expected an action"));
   EXPECT_THAT(Complaint([](config::Cue& cue) {
                 cue.panic = true;
                 cue.look.set_strength(1);

@@ -324,7 +324,7 @@ TEST(SlimeVrTranslator, ResetsWhenATrackersButtonAsksForIt) {
   bench.Tick();
   EXPECT_NE(bench.session, session);
   bench.Handle(board, 6, slimevr::UserAction{slimevr::UserAction::kMountingReset});
-  EXPECT_THAT(bench.notes, Contains(HasSubstr("did not turn as a skier's")));
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("did not turn as in the ski pose")));
   bench.Handle(board, 7, slimevr::UserAction{slimevr::UserAction::kPause});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
 }
