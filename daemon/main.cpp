@@ -72,7 +72,7 @@ bool ToJournal() {
 int Refuse(const std::string& why, int code) {
   std::cerr << (ToJournal() ? "<3>" : "")
             << "styled: " << styled::Printable(why, styled::runtime::kLongestLine) << "\n";
-  styled::runtime::Notifier::FromEnvironment().Say(why);
+  styled::runtime::Notifier::FromEnvironment().SetStatus(why);
   return code;
 }
 

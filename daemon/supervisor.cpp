@@ -70,7 +70,7 @@ Supervisor::~Supervisor() {
 }
 
 Status Supervisor::Start() {
-  notifier_.Say("reading the weights");
+  notifier_.SetStatus("reading the weights");
   auto made = pipeline::MakeRuntimeConfig(config_, nullptr, weights_crc_);
   if (!made.ok()) return made.status();
   runtime_config_ = made.value();
@@ -420,7 +420,7 @@ void Supervisor::ReportStatus(double seconds) {
     line += "; the last reload was refused: " + refused;
   }
   frames_said_ = frames;
-  notifier_.Say(line);
+  notifier_.SetStatus(line);
 }
 
 }  // namespace styled

@@ -4,8 +4,8 @@ its comment lines, how many of them are marked, and the share; then every hit as
 Fails when a folder has more than 0.3 % of its comment lines marked, when a text that a user sees is marked,
 or when the code has one of the names in NAMES. `--all` prints every hit, also of folders within the share.
 
-It reads what git tracks: C++, protobuf, TypeScript, C#, Python, CMake, shell and TOML. Documents (.md) are
-not looked at. Pinned by tests/documents/test_words.py, which shows that each entry finds its sentence."""
+It reads the files that git tracks: C++, protobuf, TypeScript, C#, Python, CMake, shell, TOML, manual pages
+and units. Documents (.md) are not read. Pinned by tests/documents/test_words.py, which shows that each entry finds its sentence."""
 
 import bisect
 import collections
@@ -20,7 +20,8 @@ MOST_MARKED = 0.003  # share of a folder's comment lines
 FEW = 1  # a folder of few lines may have so many marked
 
 SLASHES = ("h", "cpp", "proto", "ts", "cs", "mjs", "js", "css")
-HASHES = ("py", "sh", "cmake", "txt", "toml", "awk")
+HASHES = ("py", "sh", "cmake", "txt", "toml", "awk", "conf", "service", "sandbox")
+PAGES = ("scd",)  # manual pages: prose throughout
 
 # (pattern, what to write instead). Letters match in either case.
 MARKS = [
@@ -87,6 +88,11 @@ MARKS = [
 # (pattern in code, what to write instead, files in which it stays and why).
 NAMES = [
     (r"\bTakes?\(", "the one verb that is meant: Accept, Apply, Pop, Decode, Sample, Add", {}),
+    # TakeCheckpoint is a request's name on the wire (take_checkpoint), TakeOf a test's recording.
+    (r"\bTake(?!Checkpoint\b|Of\b)[A-Z]\w*\(", "ReadX, HandleX, CopyX", {}),
+    (r"\bSay([A-Z]\w*)?\(", "Report, Log, SetStatus", {}),
+    (r"\bAsks[A-Z]\w*\(", "Requests, Requires", {}),
+    (r"\b(Who|What)[A-Z]\w*\(", "Find, List, the noun itself", {}),
     (r"\bk?Taken\b", "kAccepted", {}),
     (r"\b(said|told)_\w*", "logged_, printed_, advertised_", {}),
     (r"\b\w*Wish(es)?\b", "Request, Options", {}),
@@ -173,6 +179,8 @@ def split(name, text):
         return split_slashes(text)
     if kind == "py":
         return split_python(text)
+    if kind in PAGES:
+        return [(number, line, True) for number, line in enumerate(text.split("\n"), 1)], [], ""
     return split_hashes(text)
 
 
@@ -239,7 +247,7 @@ def wanted(name):
     kind = kind_of(name)
     if kind in HASHES and kind != "py":
         return kind != "txt" or name.endswith("CMakeLists.txt")
-    return kind in SLASHES or kind == "py"
+    return kind in SLASHES or kind in PAGES or kind == "py"
 
 
 OWN = ("tests/words.py", "tests/documents/test_words.py")  # they quote what they look for

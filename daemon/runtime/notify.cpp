@@ -46,7 +46,7 @@ void Notifier::Reloading(std::int64_t now_ns) {
 
 void Notifier::Stopping() { Send("STOPPING=1\nSTATUS=stopping"); }
 
-void Notifier::Say(std::string_view text) { Send("STATUS=" + OneLine(text), MSG_DONTWAIT); }
+void Notifier::SetStatus(std::string_view text) { Send("STATUS=" + OneLine(text), MSG_DONTWAIT); }
 
 void Notifier::Alive() { Send("WATCHDOG=1", MSG_DONTWAIT); }
 

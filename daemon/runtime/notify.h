@@ -23,8 +23,8 @@ class Notifier {
   // Call Ready() afterwards, whether the reload succeeded or not.
   void Reloading(std::int64_t now_ns);  // CLOCK_MONOTONIC
   void Stopping();
-  void Say(std::string_view text);  // sets the status line of `systemctl status`
-  void Alive();                     // feeds the manager's watchdog
+  void SetStatus(std::string_view text);  // sets the status line of `systemctl status`
+  void Alive();                           // feeds the manager's watchdog
 
  private:
   // Periodic messages are sent with MSG_DONTWAIT and dropped when the manager is behind. All others

@@ -85,10 +85,12 @@ GOOD = [
 
 BAD_NAMES = ["bool Take(int x);", "if (queue.Takes(x)) {", "State::kTaken", "bool Taken() const;", "said_ = 1;",
              "told_ns_ = 0;", "struct SessionWish {", "HoldBack held;", "void OnNews(int x);", "MoveOn(out);",
-             "GiveBack(out);", "JudgeFrame(out);", "struct Way {", "SayHowItGoes();", "tells_all_ = true;"]
+             "GiveBack(out);", "JudgeFrame(out);", "struct Way {", "SayHowItGoes();", "tells_all_ = true;", "TakeFrame(x);",
+             "Say(text);", "SayPart(x);", "AsksForKeys(config)", "WhoIsThere()"]
 
 GOOD_NAMES = ["bool Accept(int x);", "TakeCheckpoint(id);", "State::kAccepted", "logged_ = 1;", "RecordTake(x);",
-              "wishes = 1;", "Newsletter();", "OnNotice(x);", "SubtakenX();"]
+              "wishes = 1;", "Newsletter();", "OnNotice(x);", "SubtakenX();", "TakeOf(60)",
+              "Saying(x);", "Ask(request)", "Whole(x)"]
 
 CPP = '''// The daemon stops.
 #include <x>
@@ -176,6 +178,11 @@ class Words(unittest.TestCase):
         lines, comments, _, _ = words.scan("a.sh", SHELL)
         self.assertEqual(3, lines)
         self.assertEqual([(2, "nobody"), (4, "goes on")], found(comments))
+
+    def test_manual_pages_are_read(self):
+        lines, pages, _, _ = words.scan("a.1.scd", "# DESCRIPTION\n\nListens.\nNobody\nconnects.\n")
+        self.assertEqual(4, lines)
+        self.assertEqual([(4, "Nobody")], found(pages))
 
     def test_a_sentence_is_found_across_lines(self):
         text = "// The pose that the client was\n// asked for.\n"

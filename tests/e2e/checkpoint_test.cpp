@@ -122,7 +122,7 @@ TEST_F(CheckpointTest, AKilledDaemonGoesOnFromIt) {
   EXPECT_EQ(frame.styles(0).style(), "style3");
 }
 
-TEST_F(CheckpointTest, WhatATypistGetsWrong) {
+TEST_F(CheckpointTest, MistypedCommandsAreRefused) {
   Subscriber subscriber(first_.publish, Topics());
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), stylectl::kExitRefused);
   EXPECT_THAT(output_, HasSubstr("performer \"rig.a\": expected one that is here"));

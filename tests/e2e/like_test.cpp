@@ -106,7 +106,7 @@ TEST_F(LikeTest, ManyReplacementsNeverRunOutOfRoom) {
   EXPECT_EQ(Styles().size(), 5U);
 }
 
-TEST_F(LikeTest, WhatCannotBeAnExampleIsRefusedWithTheReason) {
+TEST_F(LikeTest, AnInvalidExampleIsRefusedWithTheReason) {
   const std::string walk = WalkBvh(30, 2);
   const auto refuses = [&](const v1::Request& request, v1::Code code, const std::string& reason) {
     const v1::Reply reply = control_.Ask(request);
@@ -230,7 +230,7 @@ TEST_F(LikeTest, AMeasuredExampleIsNoStyle) {
   EXPECT_THAT(measured.like().code(), testing::ElementsAreArray(made.like().code()));
 }
 
-TEST_F(LikeTest, OfANeutralExampleOnlyTheDifferenceCounts) {
+TEST_F(LikeTest, ANeutralExampleCountsByItsDifferenceOnly) {
   const auto measure = [&](v1::Request request) {
     request.mutable_like()->set_measure(true);
     return control_.Ask(request);

@@ -70,7 +70,7 @@ class MergedFingers : public testing::Test {
   }
 };
 
-TEST_F(MergedFingers, OfASenderOfHandsAloneReachEveryWayOut) {
+TEST_F(MergedFingers, HandsOfASenderOfHandsReachEveryOutput) {
   Daemon daemon({}, Sources("\"fingers\""));
   const std::string canonical = "styled/app.app/canonical/", rig = "styled/app.app/rig/";
   Subscriber subscriber(daemon.publish, {"body/", canonical, rig});
@@ -105,7 +105,7 @@ TEST_F(MergedFingers, OfASenderOfHandsAloneReachEveryWayOut) {
   EXPECT_EQ(control.Counter("pipeline.bodies_refused"), 0U);
 }
 
-TEST_F(MergedFingers, OfOneHandLeaveTheOtherAsItIs) {
+TEST_F(MergedFingers, FingersOfOneHandLeaveTheOtherUnchanged) {
   Daemon daemon({}, Sources("\"leftFingers\""));
   const std::string canonical = "styled/app.app/canonical/";
   Subscriber subscriber(daemon.publish, {"body/", canonical});

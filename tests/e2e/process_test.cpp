@@ -178,7 +178,7 @@ TEST(ProcessTest, WildWeightsOnSighupAreRefusedAndTheRunningOnesGoOnStyling) {
 
 // Weights whose defect a trial cannot detect: they produce invalid poses only when the performer's
 // hips are high.
-TEST(ProcessTest, WhatIsNoPoseIsNeverPublishedButFlaggedAndCounted) {
+TEST(ProcessTest, AnInvalidPoseIsNeverPublishedButFlaggedAndCounted) {
   const TemporaryFolder folder;
   WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
   Daemon daemon({}, "", {}, folder / "sleeping.safetensors");

@@ -163,7 +163,7 @@ TEST(SendersTest, SilenceGivesOneStaleFrameAndNothingMore) {
   EXPECT_EQ(control.Counter("pipeline.stale"), 1U);
 }
 
-TEST(SendersTest, OfABacklogBeyondItsBoundOnlyTheNewestIsPublished) {
+TEST(SendersTest, ABacklogBeyondItsBoundIsCutToTheNewest) {
   Daemon daemon(
       {"performers.backlog_ms=100", "performers.late_ms=25", "performers.stale_ms=10000"});
   Subscriber subscriber(daemon.publish, {"body/", "styled/rig.a/rig/"});

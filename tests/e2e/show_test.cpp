@@ -128,7 +128,7 @@ TEST(ShowTest, AConsoleSteersByOscAndHearsWhatIsRefused) {
   console.Send("/styled/rig.anna/dance", "x", 1);
   EXPECT_NE(console.Error().second.find("one of style, mix"), std::string::npos);
   console.SendRaw("no osc at all");
-  EXPECT_NE(console.Error().second.find("is no OSC"), std::string::npos);
+  EXPECT_NE(console.Error().second.find("is not OSC"), std::string::npos);
   EXPECT_EQ(control.Performer("rig.anna").styles(0).style(), "style3") << "nothing changed";
   EXPECT_NE(daemon.Log().find("OSC /styled/rig.anna/style"), std::string::npos) << daemon.Log();
 }

@@ -85,7 +85,7 @@ class StyleRequestTest : public testing::Test {
   Rig rig_{"a"};
 };
 
-TEST_F(StyleRequestTest, WhatCannotBeDoneIsRefusedWithTheReason) {
+TEST_F(StyleRequestTest, AnImpossibleRequestIsRefusedWithTheReason) {
   for (const char* const name : {"mine", "two", "in-preset"}) {
     ASSERT_EQ(control_.Ask(LikeOf(name)).code(), v1::CODE_OK);
   }
@@ -187,7 +187,7 @@ TEST_F(StyleRequestTest, AFileGoesOutAndComesInAgain) {
               testing::ElementsAre("neutral", "style1", "style2", "style3", "copy", "mine"));
 }
 
-TEST_F(StyleRequestTest, WhoWearsARenamedStyleGoesOn) {
+TEST_F(StyleRequestTest, APerformerInARenamedStyleContinues) {
   NextFrame();
   ASSERT_EQ(control_.Ask(LikeOf("mine", "rig.a")).code(), v1::CODE_OK);
   ASSERT_EQ(NextFrame().styles(0).style(), "mine");
@@ -213,7 +213,7 @@ TEST_F(StyleRequestTest, WhoWearsARenamedStyleGoesOn) {
               testing::ElementsAre("neutral", "style1", "style2", "style3", "yours"));
 }
 
-TEST_F(StyleRequestTest, WhoWearsARemovedStyleFadesToBypass) {
+TEST_F(StyleRequestTest, APerformerInARemovedStyleFadesToBypass) {
   NextFrame();
   ASSERT_EQ(control_.Ask(LikeOf("mine", "rig.a")).code(), v1::CODE_OK);
   ASSERT_EQ(control_.SetStyle("rig.a", "mine", 1, 500).code(), v1::CODE_OK);

@@ -111,7 +111,7 @@ TEST(SubscribersTest, SubscriptionsBeyondTheCapAreCountedAndNotServed) {
   ASSERT_TRUE(subscriber.WaitForFrames(60, "styled/"));
 }
 
-TEST(SubscribersTest, WhatIsNoSubscriptionIsCountedAndIgnored) {
+TEST(SubscribersTest, AnInvalidSubscriptionIsCountedAndIgnored) {
   Daemon daemon;
   ControlClient control(daemon.control);
   void* const context = zmq_ctx_new();

@@ -162,7 +162,7 @@ class Wire {
 };
 
 // A performer's name is part of the subscription, the topic and the message.
-TEST(ThreatsTest, WhoListensOnTheWireSeesNoMotionWhereKeysAreAskedFor) {
+TEST(ThreatsTest, AnEavesdropperSeesNoMotionWhereKeysAreRequired) {
   const auto name_is_seen = [](const std::string& publish, const CurveKeys& keys,
                                const Daemon& daemon) {
     Wire wire(publish);

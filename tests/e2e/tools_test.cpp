@@ -226,7 +226,7 @@ TEST_F(StylizeClips, StylesByNameExampleNoiseAndMix) {
   EXPECT_EQ(Stylize({"--style", "neutral"}, in), Stylize({}, in));
 }
 
-TEST_F(StylizeClips, WhatIsNamedWithoutAWeightSharesTheRestOfOne) {
+TEST_F(StylizeClips, StylesWithoutAWeightShareTheRestOfOne) {
   const std::string in = Walk("30", "3"), other = Walk("60", "3");
   const std::string third = "=0.33333334";
   EXPECT_EQ(Stylize({"--style", "style2", "--like", other}, in),

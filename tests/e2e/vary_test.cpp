@@ -88,7 +88,7 @@ class VaryTest : public testing::Test {
   std::array<Rig, 2> rigs_{Rig("a"), Rig("b")};
 };
 
-TEST_F(VaryTest, WhatIsOutOfRangeIsRefusedAndChangesNothing) {
+TEST_F(VaryTest, AValueOutOfRangeIsRefusedAndChangesNothing) {
   for (const float bad : {-1.0F, 2.5F, 100.0F}) {
     const v1::Reply reply = control_.Ask(Vary("rig.a", bad));
     EXPECT_EQ(reply.code(), v1::CODE_OUT_OF_RANGE);

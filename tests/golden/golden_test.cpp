@@ -105,7 +105,7 @@ float UnitOf(const Played& played, const v1::Frame& frame) {
 
 class GoldenTest : public testing::TestWithParam<Entry> {};
 
-TEST_P(GoldenTest, ComesOutAsExpectedOnEverySimdPath) {
+TEST_P(GoldenTest, TheOutputIsAsExpectedOnEverySimdPath) {
   const auto reader = Open(GetParam());
   ASSERT_NE(reader, nullptr);
   EXPECT_EQ(recording::DamageText(reader->counts()), "");

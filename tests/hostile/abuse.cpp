@@ -190,7 +190,7 @@ int main(int argc, char** argv) {
   Sleep(1);
   std::jthread sender([&](const std::stop_token& stop) { Perform(pair, performers, stop); });
   Sleep(2);
-  hostile::Loot loot = hostile::TakeLoot(*pair.member(0).daemon, "rig.performer0");
+  hostile::Loot loot = hostile::CollectLoot(*pair.member(0).daemon, "rig.performer0");
   const auto attacks = hostile::RequestAttacks();
   std::mt19937 random(1);
   double both_lead_s = 0;

@@ -12,7 +12,7 @@
 namespace styled::hostile {
 namespace {
 
-TEST(DiskTest, ThatDoesNotAnswerKeepsNobodyWaiting) {
+TEST(DiskTest, AHungDiskDelaysNoClient) {
   constexpr double kFsync_s = 4;
   ServiceManager manager;
   const support::TemporaryFolder folder;
@@ -57,7 +57,7 @@ TEST(DiskTest, AnEndlessFsyncEndsInAnErrorThatIsTold) {
 
 TEST(DiskTest, ALibraryOfAThousandStylesKeepsNoSignalWaiting) {
   Stage stage;
-  const Loot loot = TakeLoot(stage.daemon(), "rig.victim");
+  const Loot loot = CollectLoot(stage.daemon(), "rig.victim");
   const std::string name = "\"name\": \"loot\"";
   const std::size_t at = loot.style_file.find(name);
   ASSERT_NE(at, std::string::npos) << loot.style_file.substr(0, 300);

@@ -23,13 +23,13 @@ namespace {
 constexpr std::size_t kHuge = std::size_t{8} << 20U;
 constexpr std::int64_t kSlack = std::int64_t{64} << 20;
 constexpr double kMost_s = 10;  // on a machine that runs other tests
-constexpr std::size_t kMostSaid = 16'384;
+constexpr std::size_t kMaxOutput = 16'384;
 
 struct Ended {
   int code = -1;
   double seconds = 0;
   std::int64_t memory = 0;  // peak, bytes
-  std::string said;
+  std::string output;
 };
 
 Ended RunToEnd(const std::vector<std::string>& arguments, const std::string& log) {
@@ -51,7 +51,7 @@ Ended RunToEnd(const std::vector<std::string>& arguments, const std::string& log
   ended.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   ended.memory = std::int64_t{usage.ru_maxrss} * 1024;
   ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  ended.said = support::ReadText(log);
+  ended.output = support::ReadText(log);
   return ended;
 }
 
@@ -174,12 +174,13 @@ TEST_P(FileTest, HarmsNobody) {
     put(format.name, content.make());
     const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(folder / format.name));
     const Ended ended = RunToEnd(format.arguments(folder), folder / "log");
-    EXPECT_LT(ended.code, 128) << "killed by a signal: " << ended.said;
+    EXPECT_LT(ended.code, 128) << "killed by a signal: " << ended.output;
     EXPECT_LT(ended.seconds, kMost_s);
     EXPECT_LE(ended.memory, sane.memory + 8 * bytes + kSlack);
-    EXPECT_LE(ended.said.size(), kMostSaid);
-    EXPECT_FALSE(ended.said.empty()) << "an error, or that all is well";
-    EXPECT_EQ(ended.said.find('\x1B'), std::string::npos) << "control characters reach a terminal";
+    EXPECT_LE(ended.output.size(), kMaxOutput);
+    EXPECT_FALSE(ended.output.empty()) << "an error, or that all is well";
+    EXPECT_EQ(ended.output.find('\x1B'), std::string::npos)
+        << "control characters reach a terminal";
   }
 }
 

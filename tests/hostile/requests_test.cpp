@@ -22,7 +22,7 @@ class RequestTest : public testing::TestWithParam<RequestAttack> {
  protected:
   static void SetUpTestSuite() {
     stage_ = new Stage;
-    loot_ = TakeLoot(stage_->daemon(), "rig.victim");
+    loot_ = CollectLoot(stage_->daemon(), "rig.victim");
   }
   static void TearDownTestSuite() {
     delete stage_;

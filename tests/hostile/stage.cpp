@@ -109,7 +109,7 @@ Stage::Stage(const std::string& extra, std::vector<std::string> settings) {
   EXPECT_EQ(control.SetStyle("rig.victim", "style1").code(), v1::CODE_OK) << daemon().Log();
 }
 
-Loot TakeLoot(const support::Daemon& daemon, const std::string& performer) {
+Loot CollectLoot(const support::Daemon& daemon, const std::string& performer) {
   Loot loot;
   support::ControlClient control(daemon.control);
   v1::Request request;

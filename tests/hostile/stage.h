@@ -49,7 +49,7 @@ class ServiceManager {
 // The [standby] table of one of two daemons, `own` 0 or 1; the journals are in the folder.
 std::string StandbyTable(const support::TemporaryFolder& folder, int own);
 // Makes a style and takes a checkpoint of the performer.
-Loot TakeLoot(const support::Daemon& daemon, const std::string& performer);
+Loot CollectLoot(const support::Daemon& daemon, const std::string& performer);
 
 // The properties that hold whatever a client, file or rig does; the bounds are theirs.
 struct Measured {
@@ -59,7 +59,7 @@ struct Measured {
   std::int64_t disk = 0;       // bytes by which the daemon's folder grew
   std::uint64_t victim = 0;    // frames of the victim that were sent
   std::uint64_t received = 0;  // of these, those that a subscriber received
-  double both_lead_s = 0;      // longest time for which both daemons said that they lead
+  double both_lead_s = 0;      // longest time for which both daemons claimed to lead
   bool one_leads = false;      // at the end one leads, and the other is its standby
   bool alive = false;          // the process runs
 };

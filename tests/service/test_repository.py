@@ -215,7 +215,7 @@ class RepositoryTest(unittest.TestCase):
         self.assertEqual([], glob.glob(self.repository + '.new-*'))
         done = run(SCRIPT, os.path.join(self.folder, 'debs'), self.folder)
         self.assertEqual(1, done.returncode)
-        self.assertIn('is no apt repository', done.stderr)
+        self.assertIn('is not an apt repository', done.stderr)
 
 
 if __name__ == '__main__':

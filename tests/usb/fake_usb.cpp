@@ -247,7 +247,7 @@ struct FakeDevice::Usbfs {
       return true;
     };
     const unsigned long request = umockdev_ioctl_client_get_request(client);
-    if (request == USBDEVFS_REAPURBNDELAY) return TakeReap(node, client, arg);
+    if (request == USBDEVFS_REAPURBNDELAY) return HandleReap(node, client, arg);
     if (node.gone) return done(ENODEV);
     switch (request) {
       case USBDEVFS_GET_CAPABILITIES: {
@@ -344,7 +344,7 @@ struct FakeDevice::Usbfs {
     return EINVAL;
   }
 
-  static bool TakeReap(Node& node, UMockdevIoctlClient* client, UMockdevIoctlData* arg) {
+  static bool HandleReap(Node& node, UMockdevIoctlClient* client, UMockdevIoctlData* arg) {
     auto reap = std::make_unique<Reap>();
     reap->client = Keep(client);
     reap->pointer.reset(umockdev_ioctl_data_resolve(arg, 0, sizeof(void*), nullptr));

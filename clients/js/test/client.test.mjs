@@ -462,7 +462,7 @@ test('a name that nobody bears is told once, and not of who is there, has left o
     client.subscribe('rig.last'); // its turn comes after all others
     await until(() => complaints.some((text) => text.includes('rig.last')), 'the last complaint');
     assert.ok(client.body('rig.a', Output.RIG));
-    assert.deepEqual(complaints.map((text) => /nobody called ([^,]+),/.exec(text)?.[1]), ['rig.nobdoy', 'rig.last']);
+    assert.deepEqual(complaints.map((text) => /found no performer ([^,]+),/.exec(text)?.[1]), ['rig.nobdoy', 'rig.last']);
     assert.deepEqual(unknown, ['rig.nobdoy', 'rig.last']);
   }));
 

@@ -50,7 +50,7 @@ void NatNet::Handle(std::span<const std::byte> datagram, const Peer& peer, std::
                     Outbox& out) {
   if (!SameHost(peer, server_)) {
     out.LeaveHotSection();  // the line is composed before the check whether it was logged
-    Say("ignoring packets that do not come from server " + config_.server, out);
+    Log("ignoring packets that do not come from server " + config_.server, out);
     return out.Refuse(Counter::kSourceIgnored);
   }
   natnet::Packet packet;
@@ -105,7 +105,7 @@ void NatNet::SendCommand(MessageId id, Outbox& out) {
   out.Reply(server_, std::span(buffer).first(natnet::EncodePacket({id, {}}, buffer)));
 }
 
-void NatNet::Say(std::string text, Outbox& out) {
+void NatNet::Log(std::string text, Outbox& out) {
   out.LeaveHotSection();
   if (logged_.Add(text)) out.Note([&text] { return std::move(text); });
 }
@@ -117,7 +117,7 @@ void NatNet::HandleServerInfo(std::span<const std::byte> payload, std::int64_t n
     return out.Refuse(Counter::kSourceMalformed);
   }
   if (info.natnet < natnet::kOldest) {
-    Say("server " + config_.server + " speaks NatNet " + ToString(info.natnet) + ", expected " +
+    Log("server " + config_.server + " speaks NatNet " + ToString(info.natnet) + ", expected " +
             ToString(natnet::kOldest) + " or later",
         out);
     return out.Refuse(Counter::kSourceBadVersion);
@@ -142,17 +142,17 @@ void NatNet::HandleModel(std::span<const std::byte> payload, Outbox& out) {
   wants_model_ = false;
   out.LeaveHotSection();
   if (!model_->complete) {
-    Say("server " + config_.server +
+    Log("server " + config_.server +
             " sent data of an unknown type; the rest of that packet is lost",
         out);
   }
   if (model_->skeletons_left_out > 0) {
-    Say("server " + config_.server + " has " + std::to_string(model_->skeletons_left_out) +
+    Log("server " + config_.server + " has " + std::to_string(model_->skeletons_left_out) +
             " skeletons too many, or with too many bones",
         out);
   }
   if (model_->skeleton_count == 0) {
-    Say("server " + config_.server + " streams no skeleton: enable them in its streaming settings",
+    Log("server " + config_.server + " streams no skeleton: enable them in its streaming settings",
         out);
   }
   prop_names_.clear();
@@ -175,7 +175,7 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
                    std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = NatNetSkeleton::Make(description);
   if (!skeleton.ok()) {
-    Say(skeleton.status().message(), out);
+    Log(skeleton.status().message(), out);
     return false;
   }
   Performer& performer = AdoptNamed(description.name, performers_, performers);
@@ -250,7 +250,7 @@ void NatNet::WatchConvention(Outbox& out) {
   if (!convention_.Evaluate(misfits) || !was_known) return;
   for (auto& performer : performers_) performer->stream.Restart();
   const NatNetConvention found = convention_.convention();
-  Say("server " + config_.server + " now streams " + (found.local ? "local" : "global") +
+  Log("server " + config_.server + " now streams " + (found.local ? "local" : "global") +
           " coordinates, " + (found.z_up ? "+Z" : "+Y") + " up",
       out);
 }

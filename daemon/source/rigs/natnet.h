@@ -89,7 +89,7 @@ class NatNet final : public Translator {
   void RequestModel(std::int64_t now_ns, Outbox& out);
   void SendCommand(natnet::MessageId id, Outbox& out);
   // Logs a line, but the same text only once while the server is there.
-  void Say(std::string text, Outbox& out);
+  void Log(std::string text, Outbox& out);
 
   config::Source config_;
   Peer server_;

@@ -94,9 +94,9 @@ bool Qtm::HandleVolume(const qtm::Parameters& parameters) {
 bool Qtm::HandleSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
                           Outbox& out) {
   if (skeletons.empty()) {
-    Say(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
+    Log(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
   } else if (skeletons.size() > qtm::kMaxSkeletons) {
-    Say(Server() + " has " + std::to_string(skeletons.size()) + " skeletons, the first " +
+    Log(Server() + " has " + std::to_string(skeletons.size()) + " skeletons, the first " +
             std::to_string(qtm::kMaxSkeletons) + " are taken",
         out);
   }
@@ -113,7 +113,7 @@ bool Qtm::HandleSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons
     names.append(names.empty() ? "skeletons: " : ", ").append(skeleton.name);
   }
   const std::string rate = frequency_hz_ ? NumberText(*frequency_hz_) + " Hz, " : "";
-  Say(Server() + ": QTM RT 1." + std::to_string(minor_) + ", " + rate +
+  Log(Server() + ": QTM RT 1." + std::to_string(minor_) + ", " + rate +
           std::string(qtm::Name(up_)) + " up, " +
           (names.empty() ? "no skeletons" : qtm::ToString(names)),
       out);
@@ -125,7 +125,7 @@ bool Qtm::Adopt(const qtm::SkeletonDescription& description,
                 std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = QtmSkeleton::Make(description, up_);
   if (!skeleton.ok()) {
-    Say(Server() + ": " + skeleton.status().message(), out);
+    Log(Server() + ": " + skeleton.status().message(), out);
     out.Refuse(Counter::kPipelineBodiesRefused);
     performers.push_back(nullptr);  // the counter `frames` includes it
     return false;

@@ -101,7 +101,7 @@ class Qtm final : public ServerTranslator {
   void BeginSession(std::int64_t now_ns) noexcept;
   bool ReadTimecode() noexcept;
   // Logs a line, but the same text only once while the server is there.
-  void Say(const std::string& text, Outbox& out);
+  void Log(const std::string& text, Outbox& out);
   std::string Server() const { return "server " + config_.server; }
 
   config::Source config_;

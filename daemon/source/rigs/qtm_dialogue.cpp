@@ -148,7 +148,7 @@ void Qtm::ReportNoFrame(Outbox& out) {
   if (logged_.Add(text)) out.Notice([&text] { return text; });
 }
 
-void Qtm::Say(const std::string& text, Outbox& out) {
+void Qtm::Log(const std::string& text, Outbox& out) {
   out.LeaveHotSection();
   if (logged_.Add(text)) out.Note([&text] { return text; });
 }
@@ -189,13 +189,13 @@ void Qtm::HandleError(std::string_view text, std::int64_t now_ns, Outbox& out) {
     case Stage::kVersion:
       return HandleVersion(text, now_ns, out);
     case Stage::kGeneral:
-      Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
+      Log(Server() + " answers \"" + asked_ + "\" with " + words, out);
       return Enter(Stage::kSpace, now_ns, out);
     case Stage::kSpace:
-      Say(Server() + " answers \"" + asked_ + "\" with " + words + "; +Z is taken to be up", out);
+      Log(Server() + " answers \"" + asked_ + "\" with " + words + "; +Z is taken to be up", out);
       return Enter(Stage::kSkeletons, now_ns, out);
     case Stage::kSkeletons:
-      Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
+      Log(Server() + " answers \"" + asked_ + "\" with " + words, out);
       answer_ns_ = kNever;
       again_ns_ = now_ns + kAgain_ns;
       return;
@@ -211,16 +211,16 @@ void Qtm::RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& ou
     only_skeletons_ = true;
     return RequestSkeletons(now_ns, out);
   }
-  Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
+  Log(Server() + " answers \"" + asked_ + "\" with " + words, out);
   EndReread(false, now_ns);
   ScheduleSkeletons(now_ns + kAgain_ns);
 }
 
 void Qtm::RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out) {
-  if (stream_confirmed_) return Say(Server() + " complains: " + words, out);
+  if (stream_confirmed_) return Log(Server() + " complains: " + words, out);
   silence_ns_ = kNever;
   if (!timecode_wanted_) {
-    Say(Server() + " answers \"" + std::string(StreamCommand()) + "\" with " + words, out);
+    Log(Server() + " answers \"" + std::string(StreamCommand()) + "\" with " + words, out);
     again_ns_ = now_ns + kAgain_ns;
     return;
   }

@@ -105,7 +105,7 @@ TEST_F(DoctorNetworkTest, AFirewallThatDropsThePortIsNamedWithItsRule) {
 
 // All simulated rigs at once: where the daemon produces frames, the doctor recognizes the rig and
 // reports no problem.
-TEST_F(DoctorNetworkTest, OfAllRigsNothingIsFoundWhileAllFramesFlow) {
+TEST_F(DoctorNetworkTest, NoRigHasFindingsWhileAllFramesArrive) {
   const std::string server = Local(FreePort());
   const std::vector<std::string> types{"mvn", "mocopi", "rokoko", "vmc", "natnet"};
   std::string sources;

@@ -120,11 +120,11 @@ TEST_F(ClientKeysTest, StylevmcForwardsWithThem) {
 
 TEST_F(ClientKeysTest, HalfOfThemIsRefusedWithAReason) {
   EXPECT_EQ(Run({STYLEVMC_BINARY, "--to", "127.0.0.1:9", "--key", folder_ / "own.key"}, false), 2);
-  EXPECT_THAT(output_, HasSubstr("expected --server-key"));
+  EXPECT_THAT(output_, HasSubstr("expected also --server-key"));
   EXPECT_EQ(
       Run({STYLEREC_BINARY, "record", "--server-key", daemon_.server_key, folder_ / "a"}, false),
       1);
-  EXPECT_THAT(output_, HasSubstr("expected --key FILE"));
+  EXPECT_THAT(output_, HasSubstr("expected also --key FILE"));
   EXPECT_EQ(Run({STYLEREC_BINARY, "record", "--key", folder_ / "none", "--server-key",
                  daemon_.server_key, folder_ / "b"},
                 false),

@@ -132,7 +132,7 @@ TEST_F(NatsTest, CommandsChangeTheStyleAndAreAnswered) {
   const auto garbled = operating.Ask(std::string("\xFF\xFF\xFF"));
   ASSERT_TRUE(garbled);
   EXPECT_EQ(garbled->code(), v1::CODE_MALFORMED);
-  EXPECT_THAT(garbled->reason(), testing::HasSubstr("no Request of control.proto"));
+  EXPECT_THAT(garbled->reason(), testing::HasSubstr("not a Request of control.proto"));
 
   daemon.child->Signal(SIGSTOP);
   const auto late = operating.Ask(request);

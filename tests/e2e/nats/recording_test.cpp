@@ -329,7 +329,7 @@ TEST_F(NatsRecordingTest, AViewerReadsAndOnlyAnOperatorBeginsAndDeletes) {
   const Outcome refused = Stylerec("viewer", {"jetstream", "delete", "--yes"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_THAT(refused.err, HasSubstr("ermissions Violation"));
-  EXPECT_THAT(refused.err, HasSubstr("expected the login of a user who may"));
+  EXPECT_THAT(refused.err, HasSubstr("expected the login of a user with that permission"));
   // Without the wait for an answer that does not come.
   const auto asks = [](NatsUser& user, const std::string& subject) {
     natsMsg* answer = nullptr;
@@ -355,7 +355,7 @@ TEST_F(NatsRecordingTest, AViewerReadsAndOnlyAnOperatorBeginsAndDeletes) {
   EXPECT_EQ(Stylerec("operator", {"jetstream", "status"}).code, 1);
 }
 
-TEST_F(NatsRecordingTest, SaysWhatIsMissing) {
+TEST_F(NatsRecordingTest, MissingFramesAreReported) {
   const Outcome large = Stylerec("operator", {"jetstream", "create", "--max-gb", "100000"});
   EXPECT_EQ(large.code, 1);
   EXPECT_THAT(large.err, HasSubstr("expected fewer --max-gb, or more max_file"));

@@ -83,7 +83,7 @@ TEST_F(JoinTest, ProgramsReadTheSiteAsTheyReadADaemon) {
   std::cout << join_->Counters() << "\n";
 }
 
-TEST_F(JoinTest, WhoComesLateHasTheBodyAtOnceAndWhatNobodyReadsDoesNotCome) {
+TEST_F(JoinTest, ALateSubscriberGetsTheBodyAtOnceAndUnreadTopicsAreNotRelayed) {
   Join("viewer");
   const Walker walker(daemon_);
   {

@@ -77,7 +77,7 @@ TEST_F(NatsRolesTest, AViewerCannotMakeTheServerPublishForHim) {
       << bridge.Counters();
 }
 
-TEST_F(NatsRolesTest, NobodyReadsTheRepliesToAnotherUser) {
+TEST_F(NatsRolesTest, RepliesToAnotherUserAreNotReadable) {
   Daemon daemon;
   const Stylenats bridge(daemon, servers_.leaf_port);
   ASSERT_TRUE(bridge.WaitForLog("connected to ")) << bridge.Log();
@@ -104,7 +104,7 @@ TEST_F(NatsRolesTest, NobodyReadsTheRepliesToAnotherUser) {
 
 // The password of a leaf server is of use to leaf servers alone, and lets what they have passed on
 // be what a bridge may publish.
-TEST_F(NatsRolesTest, WhoHasALeafServersPasswordIsABridgeAndNoMore) {
+TEST_F(NatsRolesTest, ALeafServersPasswordPermitsABridgeOnly) {
   Daemon daemon;
   const Stylenats bridge(daemon, servers_.leaf_port);
   const Walker walker(daemon);

@@ -11,7 +11,7 @@ namespace styled::support {
 namespace {
 
 // A recording of a subscriber: source frames become a rig's datagrams again.
-TEST_F(RecordingsTest, WhatWasPublishedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
+TEST_F(RecordingsTest, PublishedFramesAreStyledAgainBitForBitAtTheirSpeedAndFlatOut) {
   const std::string file = RecordPublished("loss=0.02,nan=0.02,seed=3", "4");
   std::vector<v1::Frame> frames;
   for (const Record& record : ReadAll(file)) {
@@ -35,7 +35,7 @@ TEST_F(RecordingsTest, WhatWasPublishedIsStyledAgainBitForBitAtItsOwnSpeedAndFla
 }
 
 // A recording of datagrams, with every fault.
-TEST_F(RecordingsTest, WhatArrivedIsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
+TEST_F(RecordingsTest, ArrivedFramesAreStyledAgainBitForBitAtTheirSpeedAndFlatOut) {
   const std::string file = folder_ / "arrivals.styrec";
   std::vector<Styled> expected;
   std::uint64_t lost = 0;

@@ -225,7 +225,7 @@ TEST_F(ReplayTest, FingersOfGlovesComeOutAsTheyDid) {
   EXPECT_LT(std::abs(finger(live.at(239))), 1e-6F);
 }
 
-TEST_F(ReplayTest, SaysWhatIsWrong) {
+TEST_F(ReplayTest, ErrorsAreNamed) {
   {
     Daemon daemon({"record.file=" + take_});
     weights_ = folder_ / "weights.safetensors";

@@ -90,7 +90,7 @@ class ClipRigTest : public testing::TestWithParam<Case> {
   }
 };
 
-TEST_P(ClipRigTest, ComesOutAsItIsAndThenInStyleOnTheRigsOwnSkeleton) {
+TEST_P(ClipRigTest, AClipIsPublishedUnchangedAndThenStyledOnTheRigsSkeleton) {
   const Case& wanted = GetParam();
   RigRun run;
   run.type = wanted.type;

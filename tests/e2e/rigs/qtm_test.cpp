@@ -152,7 +152,7 @@ std::string Source(const Server& server) {
 
 constexpr char kQtmTopic[] = "styled/suit.sim/canonical/";
 
-TEST(QtmServerTest, ThatGoesAndComesBackGoesOn) {
+TEST(QtmServerTest, ARestartedServerContinues) {
   Server server;
   Daemon daemon({}, Source(server));
   Subscriber subscriber(daemon.publish, {kQtmTopic});
@@ -169,7 +169,7 @@ TEST(QtmServerTest, ThatGoesAndComesBackGoesOn) {
   EXPECT_THAT(daemon.Log(), HasSubstr("connected again"));
 }
 
-TEST(QtmServerTest, ThatIsFullIsSaidWithItsWords) {
+TEST(QtmServerTest, AFullServerIsReportedWithItsMessage) {
   const Server server({"full"});
   Daemon daemon({}, Source(server));
   for (int i = 0; i < 100 && daemon.Log().find("refuses") == std::string::npos; ++i) Sleep(0.05);

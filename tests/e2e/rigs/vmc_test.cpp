@@ -71,7 +71,7 @@ TEST(VmcRigTest, ARestartIsANewSessionOfTheSamePerformer) {
   EXPECT_GT(result.received, result.sent / 2);
 }
 
-TEST(VmcRigTest, OfTwoSendersOnOnePortTheSecondIsRefusedWhileTheFirstLives) {
+TEST(VmcRigTest, TheSecondSenderOnAPortIsRefusedWhileTheFirstIsLive) {
   Daemon daemon({}, "[[source]]\nname = \"suit\"\ntype = \"vmc\"\nlisten = \"127.0.0.1:0\"\n");
   const UdpLink first(daemon.listens.at(2)), second(daemon.listens.at(2));
   Subscriber subscriber(daemon.publish, {""});

@@ -17,7 +17,7 @@ struct Service {
   Daemon daemon;
 };
 
-TEST(ServiceTest, SaysReadyOnceSourcesAreOpenAndStoppingAtTheEnd) {
+TEST(ServiceTest, ReadyIsSentOnceSourcesAreOpenAndStoppingAtTheEnd) {
   Service service;
   EXPECT_EQ(service.manager.Next(5), "STATUS=reading the weights");
   EXPECT_EQ(service.manager.Next(5), "READY=1\nSTATUS=ready");
@@ -31,7 +31,7 @@ TEST(ServiceTest, SaysReadyOnceSourcesAreOpenAndStoppingAtTheEnd) {
   EXPECT_EQ(service.daemon.child->Wait(10).value_or(-1), 0);
 }
 
-TEST(ServiceTest, WhoCannotStartIsNeverReadyAndSaysWhy) {
+TEST(ServiceTest, ADaemonThatCannotStartIsNeverReadyAndNamesTheReason) {
   Service running;
   Datagrams manager;
   const TemporaryFolder folder;

@@ -254,7 +254,7 @@ TEST(VmcOut, AnApplicationThatIsAwayHarmsNobodyAndMayComeBack) {
   EXPECT_EQ(forwarder.Log(), "");
 }
 
-TEST(VmcOut, GoesOnWhenTheDaemonIsStartedAgain) {
+TEST(VmcOut, ForwardingContinuesWhenTheDaemonIsRestarted) {
   TemporaryFolder folder;
   Daemon daemon({"publish.address=ipc://" + (folder / "publish")});
   const Ear ear;
@@ -282,7 +282,7 @@ TEST(VmcOut, EndsWithAReasonWhereAHostCannotBeFound) {
   EXPECT_THAT(forwarder.Log(), testing::HasSubstr("no-such-host.invalid:39539: "));
 }
 
-TEST(VmcOut, SaysThatNothingCame) {
+TEST(VmcOut, MissingFramesAreReported) {
   Daemon daemon;
   Stylevmc forwarder({"--publish", daemon.publish, "--to", "127.0.0.1:39539", "--seconds", "0.3"});
   EXPECT_EQ(forwarder.child->Wait(20).value_or(-1), 3);

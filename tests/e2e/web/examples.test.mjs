@@ -112,7 +112,7 @@ test('a clip is dropped, named, and worn; Ctrl+Z leads back', async () => {
   assert.deepEqual((await look()).mix, [await own()], 'digits and letters belong to the field');
   await picture('form');
   await name.fill(await own());
-  assert.match(await form().innerText(), /is a name of the weights/);
+  assert.match(await form().innerText(), /is already a name of the weights/);
   await name.press('Escape');
   assert.ok(!(await form().isVisible()));
   assert.deepEqual((await look()).mix, [await own()], 'no panic: it closed the form');
@@ -209,7 +209,7 @@ test('a neutral take comes first', async () => {
   await form().locator('input[name=seconds]').fill('1');
   await form().locator('input[name=neutral]').check();
   await form().locator('button[type=submit]').click();
-  await until(async () => /move as you always do/.test(await page.locator('.lesson').innerText()), 'the neutral take');
+  await until(async () => /move as usual/.test(await page.locator('.lesson').innerText()), 'the neutral take');
   await until(async () => /act out difference/.test(await page.locator('.lesson').innerText()), 'the other take');
   await said(/^difference is made from rig\.sim/);
   await page.keyboard.press('Control+z');

@@ -403,10 +403,10 @@ test('whom the daemon lists is not called unknown', async () => {
   await page.locator('[data-performer="rig.nobody"]').waitFor();
   await until(() => page.evaluate(() => globalThis.complaints.includes('rig.nobody')), "the client's complaint");
   assert.match(await page.locator('[data-performer="rig.nobody"]').innerText(), /silent/);
-  assert.deepEqual(await page.evaluate(() => globalThis.said.filter((text) => /nobody called/.test(text))), []);
+  assert.deepEqual(await page.evaluate(() => globalThis.said.filter((text) => /found no performer/.test(text))), []);
   // For an unlisted name there is a message.
   await page.evaluate(() => globalThis.styled.client.subscribe('rig.nobdoy'));
-  await until(() => page.evaluate(() => globalThis.said.some((text) => /nobody called rig\.nobdoy/.test(text))), 'the complaint');
+  await until(() => page.evaluate(() => globalThis.said.some((text) => /found no performer rig\.nobdoy/.test(text))), 'the complaint');
 });
 
 test('a daemon that does not answer in time may still do what it was asked', async () => {

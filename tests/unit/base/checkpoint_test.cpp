@@ -94,7 +94,7 @@ TEST(Checkpoint, IsCompleteWhereTheRoomIsThatWhichWasCounted) {
   }
 }
 
-TEST(Checkpoint, WhatIsTooShortOrTooLongIsNotComplete) {
+TEST(Checkpoint, AWrongLengthIsNotComplete) {
   std::vector<std::byte> bytes = Written(Filled());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     Everything read;

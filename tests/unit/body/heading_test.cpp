@@ -7,7 +7,7 @@
 namespace styled::body {
 namespace {
 
-TEST(Heading, OfABodyTurnedByAYawIsThatYaw) {
+TEST(Heading, ATurnedBodysHeadingIsItsYaw) {
   for (float yaw = -3.1F; yaw < 3.1F; yaw += 0.2F) {
     WorldPose world;
     ForwardKinematics(Moved(Pose(), yaw, Vec3(1, 0, 2)), world);

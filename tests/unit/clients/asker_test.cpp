@@ -30,7 +30,7 @@ v1::Request TakeOf(float seconds) {
 
 TEST(AskerTest, AnEndpointThatIsNoneIsRefused) { EXPECT_FALSE(Asker::Start("nonsense").ok()); }
 
-TEST(AskerTest, WhatIsLong) {
+TEST(AskerTest, LikeAndPreviewAreLongRequests) {
   v1::Request request;
   request.mutable_panic();
   EXPECT_FALSE(IsLong(request));

@@ -82,7 +82,7 @@ TEST(ControlTest, ARefusalGivesCodeAndReasonAndLeavesTheOutputAlone) {
   EXPECT_TRUE(applied.empty());
 }
 
-TEST(ControlTest, NobodyThereIsSaidAfterTheTimeoutWithTheEndpoint) {
+TEST(ControlTest, AMissingDaemonIsReportedAfterTheTimeoutWithTheEndpoint) {
   auto control = Ask("tcp://127.0.0.1:9", 100ms);
   const auto begin = std::chrono::steady_clock::now();
   const CallStatus status = control->Panic();

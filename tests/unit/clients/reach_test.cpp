@@ -181,7 +181,7 @@ std::string Greeting(const std::string& mechanism) {
 }
 
 // They were read for ever, the deadline unasked: there was always more.
-TEST_F(ReachTest, WhoNeverStopsTalkingIsNoDaemon) {
+TEST_F(ReachTest, APeerThatNeverStopsSendingIsNotADaemon) {
   const Pair server;
   const Curve curve{server.public_key, "", ""};
   for (const auto& [first, byte] : std::vector<std::pair<std::string, char>>{

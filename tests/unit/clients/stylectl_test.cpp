@@ -161,7 +161,7 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_TRUE(Says("source.zero"));
 }
 
-TEST_F(StylectlTest, WhatWasNotMeasuredOfAStyleIsNullInJson) {
+TEST_F(StylectlTest, UnmeasuredValuesOfAStyleAreNullInJson) {
   EXPECT_EQ(Run({"list", "--json"}), kExitOk);
   const auto styles = nlohmann::json::parse(out_.str())["styles"];
   EXPECT_TRUE(styles[0]["recognized"].is_null());
@@ -184,7 +184,7 @@ TEST_F(StylectlTest, RangesAreSaidAsTheyAreWritten) {
   EXPECT_TRUE(Complains("expected a number from 0 to 60000")) << err_.str();
 }
 
-TEST_F(StylectlTest, WhoIsClearedBeforeTheyComeIsForgotten) {
+TEST_F(StylectlTest, APerformerClearedBeforeArrivalIsForgotten) {
   EXPECT_EQ(Run({"clear", "suit.max"}), kExitOk);
   EXPECT_TRUE(
       Complains("note: suit.max has not been seen yet; its advance settings are "
@@ -395,13 +395,13 @@ TEST_F(StylectlTest, HowTheClockIsDisciplinedIsShown) {
   EXPECT_TRUE(shows("clock: synchronized, within 3.2 ms\n"));
 }
 
-TEST_F(StylectlTest, WhatADaemonSaysMovesNoCursor) {
+TEST_F(StylectlTest, ADaemonsTextMovesNoCursor) {
   EXPECT_EQ(Run({"preset", "hostile"}), kExitRefused);
   EXPECT_TRUE(Complains("\\x1b[2J\\x1b[31mred\\x07")) << err_.str();
   EXPECT_FALSE(Complains("\x1b"));
 }
 
-TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
+TEST_F(StylectlTest, TheWithheldShareOfAStyleIsShown) {
   v1::StatusReply status;
   v1::PerformerStats& anna = *status.mutable_stats()->add_performers();
   anna.set_performer("rig.anna");
@@ -443,7 +443,7 @@ TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
   EXPECT_FALSE(shows("hardly")) << "they are gone";
 }
 
-TEST_F(StylectlTest, WhoIsAbsentAndAStyleWithoutStrengthAreTold) {
+TEST_F(StylectlTest, AnAbsentPerformerAndAStyleWithoutStrengthAreReported) {
   v1::Applied applied;
   applied.set_performer("rig.an");
   applied.set_first_sequence(598);
@@ -457,7 +457,7 @@ TEST_F(StylectlTest, WhoIsAbsentAndAStyleWithoutStrengthAreTold) {
   EXPECT_EQ(AppliedJson({applied})[0]["no_strength"], true);
 }
 
-TEST_F(StylectlTest, WhatSourcesGiveAPerformerIsShown) {
+TEST_F(StylectlTest, ThePartsFromOtherSourcesAreShown) {
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("rig.anna gets fingers: gloves (silent)\n")) << out_.str();
   EXPECT_EQ(Run({"--json", "status"}), kExitOk);

@@ -62,7 +62,7 @@ TEST(Screen, ShowsNineStylesAtATimeAndSaysHowToReachTheOthers) {
   EXPECT_NE(second.find("1 s10  2 s11  3 s12  n more"), std::string::npos) << second;
 }
 
-TEST(Meter, KnowsRatePercentilesAndDrops) {
+TEST(Meter, RatePercentilesAndDropsAreMeasured) {
   Meter meter(5.0);
   const Meter::Reading none = meter.Read(0);
   EXPECT_EQ(none.rate_hz, 0);
@@ -114,7 +114,7 @@ TEST(Screen, AnySizeIsDrawnWithoutHarm) {
   EXPECT_NE(Screen(view).find("▸ rig.p148"), std::string::npos) << "scrolled to the selected one";
 }
 
-TEST(Trouble, SaysWhatIsMissingAndWhatToDo) {
+TEST(Trouble, TroubleNamesTheCauseAndTheRemedy) {
   View view = Walking();
   EXPECT_EQ(Trouble(view), "");
   EXPECT_NE(StatusLine(view).find("rig.anna #42  120.0 Hz"), std::string::npos);

@@ -301,7 +301,7 @@ TEST_F(SubscriberTest, LatestWinsReadsOnWhileWhatComesIsOlderThanUsual) {
 }
 
 // Two avatars may have one and the same skeleton.
-TEST_F(SubscriberTest, TellsAvatarsApartByTheNamesOfTheirOutputs) {
+TEST_F(SubscriberTest, AvatarsAreDistinguishedByTheNamesOfTheirOutputs) {
   SubscriberOptions options = OnlyA();
   options.streams.clear();
   options.avatars = {"hero", "villain"};
@@ -391,7 +391,7 @@ TEST(CurveTest, WithKeysADaemonIsHeardAndWithoutThemItIsNot) {
   EXPECT_EQ(stranger.value()->connected(), 0);
 }
 
-TEST(SubscriberReconnect, ComesBackByItselfWhenTheDaemonDoes) {
+TEST(SubscriberReconnect, TheSubscriberReconnectsWhenTheDaemonReturns) {
   const v1::Body rig = HumanoidBody("rig.a", v1::OUTPUT_RIG, 11);
   auto first = std::make_unique<FakeDaemon>();
   const std::string endpoint = first->publisher();
@@ -419,7 +419,7 @@ TEST(SubscriberReconnect, ComesBackByItselfWhenTheDaemonDoes) {
 }
 
 // libzmq gives up an address at which the protocol was broken once.
-TEST(SubscriberReconnect, ComesBackWhereAnotherProgramBrokeTheProtocol) {
+TEST(SubscriberReconnect, TheSubscriberReconnectsAfterAnotherProgramBrokeTheProtocol) {
   const v1::Body rig = HumanoidBody("rig.a", v1::OUTPUT_RIG, 11);
   auto first = std::make_unique<FakeDaemon>();
   const std::string endpoint = first->publisher();

@@ -116,7 +116,7 @@ std::vector<Case> Broken() {
   };
 }
 
-TEST(Bvh, TellsEachBrokenFileWhatWasFoundWhereAndWhatWasExpected) {
+TEST(Bvh, EachBrokenFilesErrorNamesFoundPlaceAndExpected) {
   for (const Case& broken : Broken()) {
     EXPECT_THAT(Refusal(broken.text), HasSubstr(broken.message));
     EXPECT_THAT(Refusal(broken.text), StartsWith("x.bvh:"));

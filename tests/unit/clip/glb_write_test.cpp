@@ -168,7 +168,7 @@ TEST(WriteGlb, NamesTheFileThatCannotBeWritten) {
   EXPECT_THAT(WriteGlb(none, "/tmp/x.glb").message(), HasSubstr("/tmp/x.glb: found a motion"));
 }
 
-TEST(WriteGlb, SaysWhoMadeItAndNamesTheJoints) {
+TEST(WriteGlb, TheGeneratorAndTheJointsAreNamed) {
   const Glb glb = Format(Wandering());
   EXPECT_EQ(glb.document["asset"]["version"], "2.0");
   EXPECT_EQ(glb.document["asset"]["generator"], "styled");

@@ -92,7 +92,7 @@ void ExpectRefused(const std::string& bytes, const std::string& reason) {
   EXPECT_THAT(clip.status().message(), testing::StartsWith("walk.glb: "));
 }
 
-TEST(GltfClip, WhatIsNoClipIsRefusedWithTheReason) {
+TEST(GltfClip, AFileWithoutAClipIsRefusedWithTheReason) {
   const std::string glb = Glb(Humanoid());
   ExpectRefused("", "expected glTF binary");
   ExpectRefused("HIERARCHY", "expected glTF binary");

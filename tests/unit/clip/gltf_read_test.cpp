@@ -230,7 +230,7 @@ TEST_F(GltfReadTest, AnAPoseIsSwungAndAVrmOutOfTPoseIsRefused) {
   EXPECT_THAT(refused.status().message(), HasSubstr("46 degrees off a T-pose"));
 }
 
-TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
+TEST_F(GltfReadTest, AFileWithoutAnAvatarIsRefusedWithTheReason) {
   EXPECT_THAT(ReadGltfSkeleton("/nowhere/a.vrm").status().message(),
               HasSubstr("/nowhere/a.vrm: No such file"));
   EXPECT_THAT(ReadGltfSkeleton("/").status().message(), HasSubstr("is a folder"));
@@ -250,7 +250,7 @@ TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
     EXPECT_THAT(message, testing::Not(HasSubstr("json.exception"))) << message;
   }
   ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {1, 2, 1}; }, "stretched unevenly");
-  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "no turn and scale");
+  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "not a rotation and scale");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, "its own ancestor");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {999}; }, "does not exist");
   ExpectRefused([](json& a) { a["nodes"][2]["children"].push_back(21); }, "hangs from two nodes");

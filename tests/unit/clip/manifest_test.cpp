@@ -206,7 +206,7 @@ TEST_F(ManifestTest, OneClipServesSeveralSplitsInTurn) {
   EXPECT_EQ(manifest.still_speed_mps, 0.2);
 }
 
-TEST_F(ManifestTest, SaysWhatPrecedesTheMotionAndWhereTheFloorIs) {
+TEST_F(ManifestTest, FramesBeforeTheMotionAndTheFloorAreRead) {
   Touch("d/walk_old_1.bvh");
   Touch("d/turn_old_1.bvh");
   Touch("d/walk-left_old_1.bvh");

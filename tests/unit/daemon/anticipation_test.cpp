@@ -51,7 +51,7 @@ TEST(Anticipation, StartsAnewWithEachFrame) {
   EXPECT_EQ(anticipation.prepare_ns(), 2 * kDue_ns - kLead_ns);
 }
 
-TEST(Schedule, KnowsWhenAFrameIsDueByTheShortestWay) {
+TEST(Schedule, AFramesDueTimeFollowsTheShortestDelay) {
   runtime::Schedule schedule;
   EXPECT_EQ(schedule.Lateness_ns(0, 1'000'300), 0);
   EXPECT_EQ(schedule.Due_ns(10), 1'000'310);

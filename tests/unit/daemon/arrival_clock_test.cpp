@@ -93,7 +93,7 @@ TEST_F(ArrivalClockTest, AStampBeforeTheSocketWasEmptyIsNotBelieved) {
   EXPECT_EQ(AgeOf(Wall() + kSecond_ns), 0) << "nor one of the future";
 }
 
-TEST_F(ArrivalClockTest, WhatAFullBatchLeftBehindMayBeOlder) {
+TEST_F(ArrivalClockTest, DatagramsAfterAFullBatchMayBeOlder) {
   const std::int64_t stamp_ns = Wall();
   clock_.now_ns += 100 * kMillisecond_ns;
   Read(false);
@@ -189,7 +189,7 @@ class TcpArrivalTest : public testing::Test, public Receiver {
   std::vector<std::int64_t> arrivals_ns_;
 };
 
-TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
+TEST_F(TcpArrivalTest, DatagramsThatWaitedForADelayedLoopAreNotNew) {
   config::Source config;
   config.name = "rig";
   config.type = "tcp";
@@ -228,7 +228,7 @@ TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
 }
 
 // Each datagram reports the drops before it, so the last ones of a burst are not reported.
-TEST_F(UdpSocketTest, WhatTheKernelDroppedLastIsCountedToo) {
+TEST_F(UdpSocketTest, TheKernelsLastDropsAreCountedToo) {
   UdpSocket socket = Open(4096);
   const support::UdpLink link(socket.endpoint());
   constexpr int kSent = 200;

@@ -51,7 +51,7 @@ TEST_F(CanaryTest, ItAsksForNothing) {
   EXPECT_EQ(publisher_.Get(ZMQ_EVENTS) & ZMQ_POLLIN, 0) << "its subscription counts for no topic";
 }
 
-TEST_F(CanaryTest, WhatFitsIntoItsQueueIsNotMissed) {
+TEST_F(CanaryTest, AQueueWithRoomMissesNothing) {
   for (int i = 0; i < 20; ++i) {
     Send("styled/rig.a/rig/", 2 * kMark);
     Drain(Counter::kPublishCanaryMissed);
@@ -60,7 +60,7 @@ TEST_F(CanaryTest, WhatFitsIntoItsQueueIsNotMissed) {
   EXPECT_EQ(Drain(Counter::kPublishCanaryMissed), 0U);
 }
 
-TEST_F(CanaryTest, WhatDoesNotFitIsMissedExactlyAndCountedOnce) {
+TEST_F(CanaryTest, AFullQueuesLossesAreCountedExactlyOnce) {
   Send("styled/rig.a/rig/", 200);
   Send("frames/rig/", 50);  // does not read those
   const std::uint64_t received = Drain(Counter::kPublishCanaryReceived);

@@ -116,7 +116,7 @@ TEST_F(ClockWatchTest, TheUsualDomainsAreFoundAtOnceAndAnyWithin20Seconds) {
   }
 }
 
-TEST_F(ClockWatchTest, WhatChangesIsSeenAndWhatIsGoneIsGone) {
+TEST_F(ClockWatchTest, ChangedAndRemovedClocksAreSeen) {
   {
     Ptp4l ptp4l(file, 0);
     ASSERT_GE(Wait(ptp4l), 0);

@@ -209,7 +209,7 @@ TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
     const auto config = LoadText(text);
     EXPECT_TRUE(config.ok()) << config.status().message();
     const Publish& publish = config.value().publish;
-    return AsksForKeys(config.value(), publish.address, publish.allow_unauthenticated_remote);
+    return RequiresKeys(config.value(), publish.address, publish.allow_unauthenticated_remote);
   };
   EXPECT_TRUE(asks(keys + "[publish]\naddress = 'tcp://0.0.0.0:1'\n"));
   EXPECT_FALSE(asks(keys));
@@ -220,7 +220,7 @@ TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
   EXPECT_THAT(Complaint("[control]\naddress = 'tcp://[::]:1'\n"), HasSubstr("(security.keys)"));
 }
 
-TEST_F(ConfigTest, WhoMayConnectToAnIpcPathIsRead) {
+TEST_F(ConfigTest, ThePermissionsOfAnIpcPathAreRead) {
   const auto config = LoadText(
       "[publish]\nipc_mode = '0660'\nipc_users = ['anna', 1001]\n[control]\nipc_mode = '600'\n");
   ASSERT_TRUE(config.ok()) << config.status().message();
@@ -378,7 +378,7 @@ TEST_F(ConfigTest, OverridesAreAsStrictAsTheFile) {
   EXPECT_THAT(EnvironmentOverrides(typo).status().message(), HasSubstr("nearest is \"address\""));
 }
 
-TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
+TEST_F(ConfigTest, NatNetsServerIsValidatedWithoutARequest) {
   const std::string source = "[[source]]\nname = \"o\"\ntype = \"natnet\"\n";
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
   EXPECT_THAT(Complaint(source), HasSubstr("source.0.server: \"\"; expected an IPv4 address"));
@@ -388,7 +388,7 @@ TEST_F(ConfigTest, WhatNatNetIsToAskIsJudgedWithoutAskingIt) {
               HasSubstr("source.0.group: \"10.0.0.2\"; expected an IPv4 multicast address"));
 }
 
-TEST_F(ConfigTest, WhatQtmIsToAskIsJudgedWithoutAskingIt) {
+TEST_F(ConfigTest, QtmsServerIsValidatedWithoutARequest) {
   const std::string source = "[[source]]\nname = \"o\"\ntype = \"qtm\"\n";
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10:22225\"\n"), "");
@@ -423,7 +423,7 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   EXPECT_THAT(Complaint(phone(asked + "server = \"phone\"\n")),
               HasSubstr("source.1.server: \"phone\"; expected the phone's IPv4 address"));
   EXPECT_THAT(Complaint(phone(asked + "listen = \"127.0.0.1:49983\"\nserver = \"127.0.0.1\"\n")),
-              HasSubstr("is where the source itself listens"));
+              HasSubstr("is the source's own address"));
   EXPECT_THAT(Complaint(rig + "smooth_hz = 0.01\n"), HasSubstr("expected 0, or 0.1 to 60 Hz"));
 }
 

@@ -88,14 +88,14 @@ TEST_F(MakeCueTest, ACueIsTheRequestsThatItMeans) {
   EXPECT_TRUE(Make([](config::Cue& cue) { cue.panic = true; }).value().request.has_panic());
 }
 
-TEST_F(MakeCueTest, WhatCannotBeFiredIsRefusedWithItsPlace) {
+TEST_F(MakeCueTest, AnInvalidCueIsRefusedWithItsPlace) {
   const std::string place = "show.toml:7: cue \"entrance\": ";
   EXPECT_EQ(Complaint([](config::Cue& cue) {
               cue.style = "style1";
               cue.at = "10:00";
             }),
             place + "at: \"10:00\"; expected HH:MM:SS:FF");
-  EXPECT_THAT(Complaint([](config::Cue&) {}), HasSubstr(place + "expected what to do"));
+  EXPECT_THAT(Complaint([](config::Cue&) {}), HasSubstr(place + "expected an action"));
   EXPECT_THAT(Complaint([](config::Cue& cue) {
                 cue.panic = true;
                 cue.look.set_strength(1);

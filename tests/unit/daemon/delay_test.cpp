@@ -93,7 +93,7 @@ struct DelayTest : testing::Test, Receiver {
 
 constexpr std::int64_t kPeriod_ns = 1'000'000'000 / 120;
 
-TEST_F(DelayTest, WhatComesInBurstsLeavesEvenly) {
+TEST_F(DelayTest, BurstsAreDeliveredEvenly) {
   Arrives(0, rig.Body());
   constexpr int kFrames = 240;
   for (int i = 0; i < kFrames; ++i) {  // five at a time
@@ -124,7 +124,7 @@ TEST_F(DelayTest, FramesThatOvertookOneAnotherLeaveInOrder) {
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i].sequence, i);
 }
 
-TEST_F(DelayTest, WhatComesTooLateLeavesAtOnceAndIsCounted) {
+TEST_F(DelayTest, ALateDatagramIsDeliveredAtOnceAndCounted) {
   Arrives(0, rig.Body());
   for (int i = 0; i < 240; ++i) {
     Arrives(i * kPeriod_ns + (i == 30 ? 80 * kMillisecond_ns : 0), rig.Frame());

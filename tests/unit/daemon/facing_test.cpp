@@ -31,7 +31,7 @@ struct FacingTest : testing::Test {
 
 constexpr float kPi = 3.14159265F;
 
-TEST_F(FacingTest, WhoWalksAheadIsNotSuspected) {
+TEST_F(FacingTest, APerformerWhoWalksAheadIsNotSuspected) {
   Walk(facing, pose, 100, 1.2F, 0);
   EXPECT_FALSE(facing.backwards());
 }
@@ -53,7 +53,7 @@ TEST_F(FacingTest, SwayingAndJumpsAreNoWalking) {
   EXPECT_FALSE(facing.backwards());
 }
 
-TEST_F(FacingTest, WhoAlwaysWalksBackwardsIsSuspectedWhateverTheHeading) {
+TEST_F(FacingTest, APerformerWhoAlwaysWalksBackwardsIsSuspectedForAnyHeading) {
   for (const float heading : {0.0F, 1.0F, 2.5F, -3.0F}) {
     facing.Reset();
     Walk(facing, pose, 7, 1.2F, kPi, heading);

@@ -122,7 +122,7 @@ TEST_F(HostileFilesTest, DeepNestingIsRefusedWithItsLine) {
               HasSubstr("--set publish.address: nested too deep"));
 }
 
-TEST_F(HostileFilesTest, WhatOnlyLooksDeepIsNot) {
+TEST_F(HostileFilesTest, BracketsInStringsAndCommentsAreNotDepth) {
   const std::string dots = Times(1000, "."), brackets = Times(1000, "[{");
   for (const std::string& text :
        {"# " + dots + brackets, "file = \"" + dots + brackets + "\"",
@@ -138,7 +138,7 @@ TEST_F(HostileFilesTest, WhatOnlyLooksDeepIsNot) {
 
 // The deepest texts that pass are parsed, walked, printed and freed on a stack of 256 KiB, a
 // thirtieth of a thread's usual one.
-TEST_F(HostileFilesTest, WhatPassesIsNotDeepForToml) {
+TEST_F(HostileFilesTest, AcceptedTextIsNotDeepForToml) {
   std::string array = "[[a]]\n", path = "a";
   for (int i = 0; i < kMaxTomlNesting; ++i) {
     path += ".a";
@@ -229,7 +229,7 @@ TEST_F(HostileFilesTest, BytesThatAreNoTextAreRefusedInText) {
   }
 }
 
-TEST_F(HostileFilesTest, WhatIsQuotedIsCutShort) {
+TEST_F(HostileFilesTest, QuotedTextIsCutShort) {
   const std::string much = Times(300000, "m");
   for (const std::string& text :
        {"[" + much + "]", "[publish]\n" + much + " = 1", "[log]\nlevel = \"" + much + "\"",

@@ -264,7 +264,7 @@ TEST_F(HostileSenderTest, BodiesWithoutFramesHoldNoPlace) {
 }
 
 // The first frame of a replaced performer stands behind the newcomer's body in one batch.
-TEST_F(HostileSenderTest, WhoGivesWayWithinABatchIsNotTouchedAgain) {
+TEST_F(HostileSenderTest, APerformerReplacedWithinABatchIsNotTouchedAgain) {
   std::vector<Rig> ghosts;
   for (int k = 0; k < 64; ++k) {
     ghosts.emplace_back("ghost" + std::to_string(k), 100 + static_cast<std::uint64_t>(k));
@@ -380,7 +380,7 @@ TEST_F(HostileSenderTest, MirroredAxesAreToldLoggedAndFlagged) {
   EXPECT_EQ(stage.publisher.frames.back().flags() & v1::FLAG_BACKWARDS, v1::FLAG_BACKWARDS);
 }
 
-TEST_F(HostileSenderTest, WhoWalksAgainstTheToesIsFlaggedAfterAWhile) {
+TEST_F(HostileSenderTest, APerformerWhoWalksAgainstTheToesIsFlaggedAfterAWhile) {
   Rig rig("a", 5);
   Deliver({rig.Body()});
   float z_m = 0;

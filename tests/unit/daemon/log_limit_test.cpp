@@ -70,7 +70,7 @@ TEST(LogLimitTest, InventedNamesHideNobodyOfAnotherMachine) {
   EXPECT_TRUE(limit.Admit(Kind::kBodyRefused, kOther, "rig.anna", 3 * kLogSecond_ns, held_back));
 }
 
-TEST(LogLimitTest, WhoWasQuietBeginsAnew) {
+TEST(LogLimitTest, AQuietKeyRestarts) {
   LogLimit limit;
   std::uint64_t held_back = 0;
   for (int s = 0; s < 100; ++s)

@@ -129,7 +129,7 @@ TEST_F(NeutralInTheDaemon, ItIsForgottenOnRequestAndLearnedAnew) {
 }
 
 // An order of rest pose by another hash is for another body.
-TEST_F(NeutralInTheDaemon, OfAnotherRestPoseItIsNotTaken) {
+TEST_F(NeutralInTheDaemon, ANeutralOfAnotherRestPoseIsNotUsed) {
   Profile kept;
   kept.id = "rig.a";
   kept.look = InitialLook();
@@ -142,7 +142,7 @@ TEST_F(NeutralInTheDaemon, OfAnotherRestPoseItIsNotTaken) {
   EXPECT_FALSE(Told(pipeline_).calibrated());
 }
 
-TEST_F(NeutralInTheDaemon, WhatCannotBeIsRefusedByName) {
+TEST_F(NeutralInTheDaemon, AnInvalidNeutralIsRefusedByName) {
   EXPECT_EQ(Calibrate(5).code(), v1::CODE_UNKNOWN_PERFORMER);
   pipeline_.Deliver({rig_.Body()});
   EXPECT_EQ(Calibrate(5).code(), v1::CODE_NOT_READY) << "no frame has come";

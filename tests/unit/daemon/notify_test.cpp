@@ -18,7 +18,7 @@ namespace {
 TEST(NotifyTest, EveryMessageIsTheManagersOwn) {
   support::Datagrams manager;
   Notifier notifier(manager.path());
-  notifier.Say("reading the weights");
+  notifier.SetStatus("reading the weights");
   notifier.Ready("all is open");
   notifier.Reloading(1'234'567'999);
   notifier.Alive();
@@ -31,10 +31,10 @@ TEST(NotifyTest, EveryMessageIsTheManagersOwn) {
   EXPECT_EQ(manager.Next(), std::nullopt);
 }
 
-TEST(NotifyTest, WhatAFileSaysCannotSpeakToTheManager) {
+TEST(NotifyTest, AFilesTextCannotInjectNotifications) {
   support::Datagrams manager;
   Notifier notifier(manager.path());
-  notifier.Say("stage.toml:1: \"\nMAINPID=1\nREADY=1\"");
+  notifier.SetStatus("stage.toml:1: \"\nMAINPID=1\nREADY=1\"");
   EXPECT_EQ(manager.Next(), "STATUS=stage.toml:1: \" MAINPID=1 READY=1\"");
 }
 

@@ -100,7 +100,7 @@ TEST_F(OscTest, AnErrorIsNotAnsweredByAnother) {
   EXPECT_EQ(error.value().command_case(), v1::Request::COMMAND_NOT_SET);
 }
 
-TEST_F(OscTest, WhatIsNotUnderstoodIsSaid) {
+TEST_F(OscTest, InvalidMessagesAreRefusedWithTheReason) {
   const auto why = [](const Result<v1::Request>& read) {
     return read.ok() ? "none" : read.status().message();
   };

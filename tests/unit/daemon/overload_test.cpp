@@ -92,7 +92,7 @@ TEST_F(OverloadTest, WithoutRoomForOneMoreNoneComesBack) {
 }
 
 // Else styles would go and come every two seconds.
-TEST_F(OverloadTest, WhatHasToGoAgainWaitsLongerTheNextTime) {
+TEST_F(OverloadTest, APerformerRemovedAgainWaitsLongerTheNextTime) {
   Window(1, 1);
   ASSERT_EQ(Window(1, 1), 5);
   EXPECT_NEAR(Wait(), 2, 0.11);

@@ -34,7 +34,7 @@ struct Fixture : support::Translated {
   std::uint64_t time_ns = 0;
 };
 
-TEST(PerformerStream, SaysNothingBeforeThereIsABody) {
+TEST(PerformerStream, NothingIsReportedBeforeTheBody) {
   Fixture f;
   f.Send();
   EXPECT_TRUE(f.items.empty());
@@ -57,7 +57,7 @@ TEST(PerformerStream, SendsTheBodyFirstAndAgainEverySecond) {
   EXPECT_EQ(f.undecodable, 0);
 }
 
-TEST(PerformerStream, TellsLostFramesByTheSequenceAndARestartByTheSession) {
+TEST(PerformerStream, LostFramesShowInTheSequenceAndARestartInTheSession) {
   Fixture f;
   f.SetBody();
   f.Send();

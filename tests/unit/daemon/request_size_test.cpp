@@ -42,7 +42,7 @@ TEST(RequestSize, AFileIsLeftOut) {
   }
 }
 
-TEST(RequestSize, WhatIsNoMessageIsCounted) {
+TEST(RequestSize, AnInvalidMessageIsCounted) {
   v1::Request like;
   like.mutable_like()->set_clip(std::string(100'000, 'x'));
   const std::string bytes = like.SerializeAsString();
@@ -55,7 +55,7 @@ TEST(RequestSize, WhatIsNoMessageIsCounted) {
 }
 
 // Accepted requests use memory in proportion; refused ones are refused before they are parsed.
-TEST(RequestSize, WhatPassesTakesMemoryInProportion) {
+TEST(RequestSize, AcceptedRequestsUseMemoryInProportion) {
   const std::string clip(4 << 20, 'x');
   for (const int entries : {30'000, 2'000'000}) {
     v1::Request like, restore, set;

@@ -69,7 +69,7 @@ TEST(SessionTest, ASequenceFromTheFutureChangesNothingWhileThePerformerSends) {
   EXPECT_EQ(session.last_arrival_ns(), now_ns);
 }
 
-TEST(SessionTest, WhoCountsFromElsewhereIsTakenAfterASilenceAndAFewInARow) {
+TEST(SessionTest, AnotherCountIsAcceptedAfterASilenceAndAFewInARow) {
   for (const std::uint64_t start : {0ULL, 50ULL, 1'000'000'000ULL}) {
     Session session;
     (void)session.Admit(kSender, 1, 0, 0, kRules);
@@ -102,7 +102,7 @@ TEST(SessionTest, ALateEchoAfterASilenceIsNoNewCount) {
   EXPECT_EQ(session.Admit(kSender, 1, 100, 200 * kMs, kRules), Arrival::kNext);
 }
 
-TEST(SessionTest, WhatWasLostInASilenceMayBeMuchButNotMoreThanWasEverSent) {
+TEST(SessionTest, LossesInASilenceAreAtMostTheFramesEverSent) {
   Session session;
   (void)session.Admit(kSender, 1, 0, 0, kRules);
   EXPECT_EQ(session.Admit(kSender, 1, 7200, 60'000 * kMs, kRules), Arrival::kNext);

@@ -37,7 +37,7 @@ TEST(PoseSmoothing, WithoutACutoffNothingChanges) {
   }
 }
 
-TEST(PoseSmoothing, WhatIsNotTrackedStaysAndSpoilsNothing) {
+TEST(PoseSmoothing, UntrackedJointsStayAndSpoilNothing) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   PoseSmoothing filter = Filter(2);
   rig::RigPose pose = OneJoint(About(0.5F), {1, 2, 3});

@@ -166,7 +166,7 @@ TEST_F(TcpClientTest, TakesRecordsWhereverTheirSegmentsEndAndAnswers) {
   EXPECT_THAT(pipeline_.notes, IsEmpty());
 }
 
-TEST_F(TcpClientTest, ComesBackAfterASecondThenLessOften) {
+TEST_F(TcpClientTest, TheClientReconnectsAfterASecondThenLessOften) {
   listener_ = Descriptor();  // no program listens there
   const auto attempts = [this](double seconds) {
     int made = 0;

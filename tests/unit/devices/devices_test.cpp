@@ -107,7 +107,7 @@ TEST(Devices, BendKneesForwards) {
   EXPECT_LT((knee_at - World(Pose()).positions_m[body::kLeftLowerLeg]).norm(), 0.03F);
 }
 
-TEST(Devices, ThatAreGoneAreNotTrackedAndTakeWhatFollowsFromThemAlong) {
+TEST(Devices, GoneDevicesAreNotTrackedNorAreJointsDerivedFromThem) {
   Stage stage(kSix);
   stage.Calibrate();
   (void)stage.Solve(Pose());
@@ -126,7 +126,7 @@ TEST(Devices, ThatAreGoneAreNotTrackedAndTakeWhatFollowsFromThemAlong) {
   EXPECT_FALSE(stage.devices.Solve(stage.now_ns + 600 * kMs, found)) << "all are silent";
 }
 
-TEST(Devices, OfHeadAndHandsStandOnTheFloorAndCrouchWithTheHead) {
+TEST(Devices, HeadAndHandsAloneStandOnTheFloorAndCrouchWithTheHead) {
   Stage stage({body::kHead, body::kLeftHand, body::kRightHand}, 0);
   stage.Calibrate();
   body::Pose low;
@@ -138,7 +138,7 @@ TEST(Devices, OfHeadAndHandsStandOnTheFloorAndCrouchWithTheHead) {
   }
 }
 
-TEST(Devices, ThatTellOnlyAPlaceMoveWhatTheyAreOn) {
+TEST(Devices, PositionOnlyDevicesMoveTheirJoint) {
   Stage stage({body::kHips, body::kLeftFoot, body::kRightFoot}, 0);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const Quat none(kNan, kNan, kNan, kNan);

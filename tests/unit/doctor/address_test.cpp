@@ -5,7 +5,7 @@
 namespace styled::doctor {
 namespace {
 
-TEST(AddressTest, WhatIsNoHostAndPortIsRefused) {
+TEST(AddressTest, AnInvalidHostOrPortIsRefused) {
   for (const std::string text : {"", ":7000", "7000", "127.0.0.1", "127.0.0.1:", "127.0.0.1:70000",
                                  "127.0.0.1:-1", "127.0.0.1:7000x", "::1:7000"}) {
     EXPECT_FALSE(ParseEndpoint(text)) << text;

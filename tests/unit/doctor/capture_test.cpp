@@ -33,7 +33,7 @@ Bytes IPv6(std::string_view next) {
 }
 const Bytes kWhole = Join({IPv4("00 20", "00 00"), kUdpHeader, kPayload});
 
-TEST(CaptureTest, WhatIsNoUdpIsPassedOver) {
+TEST(CaptureTest, OtherProtocolsThanUdpAreSkipped) {
   const std::vector<std::pair<std::string, Bytes>> cases{
       {"nothing", {}},
       {"ARP", Hex("00 01 08 00 06 04 00 01 AA BB CC DD EE FF C0 00 02 09 00 00 00 00 00 00")},
@@ -82,7 +82,7 @@ TEST(CaptureTest, TheFirstOfSeveralFragmentsIsCut) {
 }
 
 // A session of a Motive 2.1 server, captured by the authors of mje-nz/python_natnet (BSD-3).
-TEST(CaptureTest, OfARealSessionEveryDatagramIsReadAndNoneIsTakenForAnotherFormat) {
+TEST(CaptureTest, EveryDatagramOfARealSessionIsReadAndNoneAsAnotherFormat) {
   const char* set = std::getenv("STYLED_DATA");
   const std::filesystem::path folder = set != nullptr ? set : STYLED_DATA_DEFAULT;
   std::ifstream in(folder / "packets" / "traffic.pcapng", std::ios::binary);

@@ -51,7 +51,7 @@ TEST_F(ContentTest, TwoFormatsOnOnePortAreWarnedOf) {
             "warning mixed_formats suit");
 }
 
-TEST_F(ContentTest, OfASourceOfAnUnknownTypeNothingIsSaidOfItsFormat) {
+TEST_F(ContentTest, ASourceOfAnUnknownTypeHasNoFindingAboutItsFormat) {
   EXPECT_EQ(CodesOf("holodeck", {What(Format::kVmc, Verdict::kPose, "bones")}), "");
 }
 
@@ -125,7 +125,7 @@ TEST_F(ContentTest, WhereBytesCannotBeSeenTheCountersTell) {
   }
 }
 
-TEST_F(ContentTest, WhatTheDaemonDoesNotMakeFramesOfIsNamedByItsReason) {
+TEST_F(ContentTest, DatagramsWithoutFramesAreNamedByTheDaemonsReason) {
   const std::vector<std::pair<const char*, const char*>> cases{
       {"pipeline.before_body", "no_skeleton"},
       {"pipeline.bodies_refused", "skeleton_refused"},
@@ -143,7 +143,7 @@ TEST_F(ContentTest, WhatTheDaemonDoesNotMakeFramesOfIsNamedByItsReason) {
 }
 
 // The daemon counts all sources together.
-TEST_F(ContentTest, WhatAnotherSourceMayHaveCausedIsNotLaidToThisOne) {
+TEST_F(ContentTest, AnotherSourcesPossibleFaultIsNotAttributedToThisOne) {
   const std::pair<const char*, const char*> cases[] = {
       {"pipeline.before_body", "problem no_frames suit"},  // which names it
       {"source.bad_magic", "problem no_frames suit; warning counter_grew"}};
@@ -201,7 +201,7 @@ TEST_F(ContentTest, TheCureForAFaceNamesWhoGetsIt) {
   EXPECT_NE(found->change.find("merge_into = \"stage.anna\""), std::string::npos) << found->change;
 }
 
-TEST_F(ContentTest, WhoSendsNoBodyIsToldToNameThePerformer) {
+TEST_F(ContentTest, ASenderWithoutABodyIsAdvisedToNameThePerformer) {
   SourceFacts& gloves = machine_.InDaemon("vmc", "0.0.0.0:39540", 100, "gloves");
   EXPECT_EQ(machine_.Codes(), "problem no_frames gloves");
   EXPECT_NE(machine_.First().change.find("merge_into = \"SOURCE.NAME\""), std::string::npos)
@@ -231,7 +231,7 @@ TEST_F(ContentTest, AFewFramesThatLackAPartAreEnough) {
   EXPECT_NE(machine_.First().change.find("only a part of the body"), std::string::npos);
 }
 
-TEST_F(ContentTest, WhoLostDatagramsIsNamed) {
+TEST_F(ContentTest, APerformerWithLostDatagramsIsNamed) {
   machine_.InDaemon("udp", "127.0.0.1:7000", 100, "rig");
   machine_.LivePerformer("rig.anna");
   machine_.LivePerformer("rig.ben");

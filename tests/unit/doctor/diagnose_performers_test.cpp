@@ -33,7 +33,7 @@ struct PerformersTest : ::testing::Test {
   Machine machine;
 };
 
-TEST_F(PerformersTest, WhoIsRefusedBesideALiveOneIsAProblemWithItsReason) {
+TEST_F(PerformersTest, ARefusedPerformerBesideALiveOneIsAProblemWithItsReason) {
   Add("suit.a", 360, 0).set_refused_as("pipeline.far_ahead");
   const auto found = Of("performer_refused");
   ASSERT_EQ(found.size(), 1U);
@@ -74,7 +74,7 @@ TEST_F(PerformersTest, AStandbyThatWouldNotGoOnIsWarnedOf) {
   EXPECT_NE(Of("standby_without_input")[0].what.find("suit.a"), std::string::npos);
 }
 
-TEST_F(PerformersTest, WhatALeaderKnowsOfItsPairIsWarnedOf) {
+TEST_F(PerformersTest, ALeadersStateOfItsPairIsAWarning) {
   v1::StandbyState& standby = *machine.facts.daemon.after.mutable_stats()->mutable_standby();
   standby.set_role("leading");
   standby.set_heard(true);
@@ -93,7 +93,7 @@ TEST_F(PerformersTest, WhatALeaderKnowsOfItsPairIsWarnedOf) {
   EXPECT_NE(Of("standby_refused")[0].what.find("3 messages"), std::string::npos);
 }
 
-TEST_F(PerformersTest, WhoLosesMoreThanHalfIsWarnedOf) {
+TEST_F(PerformersTest, APerformerWhoLosesMoreThanHalfIsAWarning) {
   Add("suit.a", 300, 60).set_refused_as("pipeline.reordered");
   const auto found = Of("performer_refused");
   ASSERT_EQ(found.size(), 1U);

@@ -46,7 +46,7 @@ TEST_F(DiagnoseTest, AStrangerAtTheControlPortIsNamed) {
   EXPECT_EQ(machine_.Codes(), "problem not_a_daemon");
 }
 
-TEST_F(DiagnoseTest, OfADaemonOnAnotherMachineOnlyCountersAreJudged) {
+TEST_F(DiagnoseTest, ADaemonOnAnotherMachineIsJudgedByCountersOnly) {
   facts_.daemon.remote = true;
   machine_.InDaemon("mvn", "10.0.0.5:9763", 180);
   machine_.Configured("vmc", "0.0.0.0:39539", "face");
@@ -108,7 +108,7 @@ TEST_F(DiagnoseTest, SilenceIsSaidWithTheAddressesToSendTo) {
   }
 }
 
-TEST_F(DiagnoseTest, OfSourcesWithOneNameASilentOneIsNoProblemWhileTheOtherWorks) {
+TEST_F(DiagnoseTest, ASilentSourceIsNotAProblemWhileItsNamesakeWorks) {
   machine_.InDaemon("udp", "127.0.0.1:7000", 100, "rig");
   machine_.InDaemon("tcp", "127.0.0.1:7000", 0, "rig");
   machine_.LivePerformer("rig.anna");
@@ -116,7 +116,7 @@ TEST_F(DiagnoseTest, OfSourcesWithOneNameASilentOneIsNoProblemWhileTheOtherWorks
   EXPECT_EQ(machine_.Codes(), "");
 }
 
-TEST_F(DiagnoseTest, OfSourcesWithOneNameSilenceIsSaidOnce) {
+TEST_F(DiagnoseTest, SilenceOfSourcesWithOneNameIsReportedOnce) {
   machine_.InDaemon("udp", "127.0.0.1:7000", 0, "rig");
   machine_.InDaemon("tcp", "127.0.0.1:7000", 0, "rig");
   EXPECT_EQ(machine_.Codes(), "problem nothing_arrives rig/udp");
@@ -132,7 +132,7 @@ TEST_F(DiagnoseTest, TheFormatOnAnotherPortIsAWrongPort) {
 }
 
 // Another source of that format may well be what it is meant for.
-TEST_F(DiagnoseTest, WhatArrivesForAnotherSourceIsNoWrongPort) {
+TEST_F(DiagnoseTest, DatagramsForAnotherSourceAreNotAWrongPort) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 0);
   machine_.InDaemon("mvn", "0.0.0.0:9764", 180, "second");
   machine_.LivePerformer("second.ben");
@@ -158,7 +158,7 @@ TEST_F(DiagnoseTest, ALoopbackSourceDoesNotHearTheNetwork) {
   EXPECT_NE(machine_.First().what.find("192.0.2.1:9763/udp"), std::string::npos);
 }
 
-TEST_F(DiagnoseTest, WhatComesToTheInterfaceButNotToUsIsDroppedBetween) {
+TEST_F(DiagnoseTest, DatagramsAtTheInterfaceButNotHereAreDroppedBetween) {
   machine_.NoDaemon();
   machine_.Configured("mvn", "0.0.0.0:9763");
   facts_.capture.clear();
@@ -167,7 +167,7 @@ TEST_F(DiagnoseTest, WhatComesToTheInterfaceButNotToUsIsDroppedBetween) {
   EXPECT_NE(machine_.Findings()[1].why.find("rp_filter"), std::string::npos);
 }
 
-TEST_F(DiagnoseTest, WhatComesToTheInterfaceButNotToTheDaemonIsDroppedBetween) {
+TEST_F(DiagnoseTest, DatagramsAtTheInterfaceButNotAtTheDaemonAreDroppedBetween) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 0);
   facts_.capture.clear();
   facts_.seen = {MvnTo("192.0.2.1:9763")};
@@ -231,7 +231,7 @@ TEST_F(DiagnoseTest, LossesAreWarnedOfThoughFramesFlow) {
   EXPECT_NE(machine_.First().change.find("receive_buffer_bytes"), std::string::npos);
 }
 
-TEST_F(DiagnoseTest, OfDropsTheKernelTellsTheSource) {
+TEST_F(DiagnoseTest, TheKernelNamesTheSourceOfDrops) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 180).drops = 40;
   machine_.LivePerformer("suit.anna");
   machine_.Grow("publish.subscriptions", 1);
@@ -240,7 +240,7 @@ TEST_F(DiagnoseTest, OfDropsTheKernelTellsTheSource) {
   EXPECT_NE(machine_.First().what.find("40 datagrams for suit"), std::string::npos);
 }
 
-TEST_F(DiagnoseTest, WhatNoStepExplainsIsToldInTheManualsWords) {
+TEST_F(DiagnoseTest, AnUnexplainedCounterIsReportedInTheManualsWords) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 180);
   machine_.LivePerformer("suit.anna");
   machine_.Grow("publish.subscriptions", 1);

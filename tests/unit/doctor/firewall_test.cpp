@@ -121,7 +121,7 @@ class FirewallTest : public testing::Test {
   static Firewall::Packet Udp(std::uint16_t port) { return {false, port, "", ""}; }
 };
 
-TEST_F(FirewallTest, WhatIsNotUnderstoodIsNotReadable) {
+TEST_F(FirewallTest, AnUnknownRulesetIsNotReadable) {
   for (const char* text : {"", "nft: permission denied", "[]", "{}", R"({"nftables":3})"}) {
     EXPECT_FALSE(Firewall::FromJson(text).readable()) << text;
   }
@@ -171,7 +171,7 @@ TEST_F(FirewallTest, LoopbackGroupsAndTcpAreJudgedByThemselves) {
   EXPECT_EQ(Judge(kNft, {true, 80, "", ""}), "dropped (inet filter input: policy drop)");
 }
 
-TEST_F(FirewallTest, WhatHangsOnTheSenderDepends) {
+TEST_F(FirewallTest, ARuleAboutTheSenderIsReportedAsDepends) {
   EXPECT_EQ(Judge(kNft, Udp(6969)), "depends (inet filter services: reject)");
 }
 

@@ -49,7 +49,7 @@ class QtmCallTest : public ::testing::Test {
   std::unique_ptr<Listener> call_;
 };
 
-TEST_F(QtmCallTest, AsksInTurnWhateverTheCaseOfTheServersLetters) {
+TEST_F(QtmCallTest, TheCallRequestsInTurnForAnyCaseOfTheServersLetters) {
   using namespace qtm::testing;
   EXPECT_EQ(AskedAfter(Command("qtm rt interface CONNECTED.")), "Version 1.25");
   EXPECT_TRUE(answers_.greeted);

@@ -28,7 +28,7 @@ TEST_F(SettingsTest, AFileThatIsNotThereIsNamed) {
   EXPECT_NE(settings.status().message().find("/nowhere/styled.toml"), std::string::npos);
 }
 
-TEST_F(SettingsTest, WhatIsNoTomlIsNamedByItsLine) {
+TEST_F(SettingsTest, InvalidTomlIsNamedByItsLine) {
   const auto settings = Read("[control]\naddress = = 3\n");
   ASSERT_FALSE(settings.ok());
   EXPECT_NE(settings.status().message().find(file_ + ":2"), std::string::npos)

@@ -87,7 +87,7 @@ class SniffTest : public testing::Test {
   }
 };
 
-TEST_F(SniffTest, WhatNobodyTakesIsForeignAndDescribed) {
+TEST_F(SniffTest, AnUnknownFormatIsForeignAndDescribed) {
   const auto foreign = [](std::string name, Bytes bytes, std::string kind) {
     return Case{std::move(name), std::move(bytes), Format::kUnknown, Verdict::kForeign,
                 std::move(kind)};
@@ -266,7 +266,7 @@ TEST_F(SniffTest, SlimeVr) {
           {"sensor info", kSensorInfo, Format::kSlimeVr, Verdict::kTalk, "state of trackers"}});
 }
 
-TEST_F(SniffTest, OfALargeDatagramTheBeginningIsEnough) {
+TEST_F(SniffTest, TheBeginningOfALargeDatagramIsEnough) {
   const auto format = [](const Bytes& bytes, std::size_t size) {
     const Sniffed found = Sniffer().SniffStart(std::span(bytes).first(size));
     EXPECT_STREQ(Name(found.verdict), found.format == Format::kUnknown ? "foreign" : "cut");

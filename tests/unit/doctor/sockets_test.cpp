@@ -51,7 +51,7 @@ TEST(SocketsTest, UdpRowsHaveAddressQueueAndDrops) {
   EXPECT_EQ(ToString(ParseSocketTable(kUdp6, false).at(0).local), "[::1]:6969");
 }
 
-TEST(SocketsTest, OfTcpOnlyListenersCount) {
+TEST(SocketsTest, OnlyListenersCountForTcp) {
   const auto rows = ParseSocketTable(kTcp, true);
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(ToString(rows[0].local), "127.0.0.1:7002");
@@ -73,7 +73,7 @@ TEST(SocketsTest, OursAreFoundWithOurName) {
   EXPECT_EQ(Holder(*ours), "doctor_test (pid " + std::to_string(getpid()) + ")");
 }
 
-TEST(SocketsTest, OfStrangersItIsSaidHowToFindThem) {
+TEST(SocketsTest, AnUnknownHolderComesWithTheWayToFindIt) {
   BoundSocket socket;
   socket.local.port = 9763;
   EXPECT_NE(Holder(socket).find("sudo ss -ulpn 'sport = :9763'"), std::string::npos);

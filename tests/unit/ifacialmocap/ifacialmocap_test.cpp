@@ -34,7 +34,7 @@ TEST(IFacialMocap, ReadsBothVersions) {
   EXPECT_FLOAT_EQ(frame.shapes[*arkit::Find("mouthSmileRight")], 0.03F);
 }
 
-TEST(IFacialMocap, WhatIsWrittenIsReadAgain) {
+TEST(IFacialMocap, WrittenBytesAreReadAgain) {
   Frame frame;
   for (std::size_t i = 0; i < arkit::kShapes; ++i) {
     frame.shapes[i] = static_cast<float>(i) / 100.0F;

@@ -32,7 +32,7 @@ float Value(const Translated::Item& item, std::string_view name) {
   return NAN;
 }
 
-TEST(IFacialMocapTranslator, WhatIsNoFaceIsCounted) {
+TEST(IFacialMocapTranslator, AnInvalidFaceIsCounted) {
   Translated translation(MakeIFacialMocap(Config()));
   EXPECT_TRUE(Said(translation, {}).empty());
   EXPECT_TRUE(Said(translation, Bytes("=head#1,2,3,4,5,6|")).empty());
@@ -62,7 +62,7 @@ TEST(IFacialMocapTranslator, AnotherPhoneWaitsUntilTheFirstIsSilent) {
   EXPECT_EQ(Said(translation, face, 2).size(), 1U);
 }
 
-TEST(IFacialMocapTranslator, AsksThePhoneWhileNothingComes) {
+TEST(IFacialMocapTranslator, ThePhoneGetsRequestsWhileNothingArrives) {
   EXPECT_EQ(MakeIFacialMocap(Config())->NextDeadline_ns(), Translator::kNever);
   Translated translation(MakeIFacialMocap(Config("192.168.1.20")));
   EXPECT_LE(translation.translator().NextDeadline_ns(), translation.now_ns);

@@ -93,7 +93,7 @@ TEST(Acts, HandsThatSwingInAWalkMakeNoGesture) {
   EXPECT_EQ(MeasureActs(still, still, kRate_hz).reach.count, 0);
 }
 
-TEST(EveryAct, OfAnUnchangedClipIsKept) {
+TEST(EveryAct, AnUnchangedClipKeepsEveryAct) {
   for (const auto& input : {Punch(0, 0, 0), TwoPunches(0.5F), Kick(kPi / 2)}) {
     const ActsKept kept = MeasureEveryAct(input, input, kRate_hz);
     EXPECT_GT(kept.reach.count + kept.kick_height.count, 0);

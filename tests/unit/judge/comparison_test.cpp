@@ -32,7 +32,7 @@ struct ComparisonTest : testing::Test {
   }
 };
 
-TEST_F(ComparisonTest, WhatWasNotJudgedIsADashAndNull) {
+TEST_F(ComparisonTest, AnUnjudgedValueIsADashAndNull) {
   const std::array sets{Set("real", 1.0, 40), Set("styled", 0.0, 30)};
   testing::internal::CaptureStdout();
   Print(manifest, sets);

@@ -81,7 +81,7 @@ class Asked final : public net::ClipStylizer {
   net::Model model_;
 };
 
-TEST(ClipRestyler, AsksForMeanNoiseOrExamplesOfTheNetworksOwnStyle) {
+TEST(ClipRestyler, CodesAreRequestedByMeanNoiseOrExamples) {
   // The manifest's style 2 is the network's 1; it lacks the manifest's 1.
   const ClipRestyler restyler(std::make_shared<Asked>(), {kAbsent, kAbsent, 1}, {}, {});
   EXPECT_FALSE(restyler.Has(1));

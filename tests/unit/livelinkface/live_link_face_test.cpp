@@ -108,7 +108,7 @@ TEST(LiveLinkFace, AnExpressionIsWhereItsNameSays) {
   if (!any) GTEST_SKIP() << "skipped, no data";
 }
 
-TEST(LiveLinkFace, WhatDoesNotFitIsNotWritten) {
+TEST(LiveLinkFace, AnOverlongPacketIsNotWritten) {
   std::array<std::byte, 100> small;
   EXPECT_EQ(Encode(testing::Smile(), small), 0U);
   const std::string text(kMaxText + 1, 'x');

@@ -34,7 +34,7 @@ std::map<std::string, float> FaceOf(const Translated::Item& item) {
   return face;
 }
 
-TEST(LiveLinkFaceTranslator, WhatIsNoFaceIsCounted) {
+TEST(LiveLinkFaceTranslator, AnInvalidFaceIsCounted) {
   Translated translation(MakeLiveLinkFace(Config()));
   EXPECT_TRUE(Said(translation, {}).empty());
   EXPECT_TRUE(Said(translation, live_link_face::testing::ByHand()).empty());  // no face is seen

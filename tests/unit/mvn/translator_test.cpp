@@ -198,7 +198,7 @@ TEST(MvnTranslator, MakesLocalRotationsOfGlobalOnesAndNoneWhereNothingIsTracked)
   EXPECT_NEAR(length(15), 1, 1e-6F);
 }
 
-TEST(MvnTranslator, PutsASplitSampleTogetherAndCountsOneThatLacksAPart) {
+TEST(MvnTranslator, SplitSamplesAreJoinedAndIncompleteOnesCounted) {
   Translated got(MakeMvn(Config()));
   Sender sender;
   got.Handle(sender.Name("a"));
@@ -285,7 +285,7 @@ TEST(MvnTranslator, PartsThatAreNotNumberedAreCounted) {
   EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 19U);
 }
 
-TEST(MvnTranslator, WhatTheHeaderDoesNotCountIsNoFaultBehindAWholePose) {
+TEST(MvnTranslator, ExtraBytesBehindAWholePoseAreNotAFault) {
   Translated got(MakeMvn(Config()));
   Sender sender;
   got.Handle(sender.Name("a"));

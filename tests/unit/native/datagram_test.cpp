@@ -51,7 +51,7 @@ TEST(Datagram, IsLaidOutAsTheWireDocumentSays) {
   EXPECT_EQ(bytes, expected);
 }
 
-TEST(Datagram, ComesBackAsItWasSent) {
+TEST(Datagram, EncodedValuesAreDecodedUnchanged) {
   const Bytes payload = testing::ToBytes("some payload");
   const Bytes bytes = testing::MakeDatagram(Kind::kBody, 5, 6, payload);
   Datagram datagram;

@@ -68,7 +68,7 @@ TEST(StreamReader, ReturnsWhatWasSentHoweverItIsCut) {
   }
 }
 
-TEST(StreamReader, TellsOfARecordCutShort) {
+TEST(StreamReader, ARecordCutShortIsReported) {
   const Bytes record = testing::MakeDatagram(Kind::kBody, 1, 0, testing::ToBytes("abcdef"));
   Bytes buffer(kMaxDatagramSize);
   StreamReader reader(buffer);

@@ -60,7 +60,7 @@ TEST(ServerInfo, OfA2xServerHasNoConnection) {
   EXPECT_FALSE(info.connection);
 }
 
-TEST(ServerInfo, ComesBackAsItWasSent) {
+TEST(ServerInfo, EncodedValuesAreDecodedUnchanged) {
   ServerInfo sent{.name = std::string_view("Motive"),
                   .application = {3, 1, 4, 0},
                   .natnet = {4, 1},

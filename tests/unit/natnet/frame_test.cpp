@@ -193,7 +193,7 @@ TEST(Frame, LeavesOutSkeletonsThatItHasNoRoomFor) {
   }
 }
 
-TEST(Frame, ComesBackAsItWasSentWithSixteenSkeletonsOf64Bones) {
+TEST(Frame, SixteenSkeletonsOf64BonesAreDecodedUnchanged) {
   static Frame sent, received;
   sent.number = 99;
   sent.skeleton_count = kMaxSkeletons;

@@ -126,7 +126,7 @@ TEST(Model, LeavesOutSkeletonsThatItHasNoRoomFor) {
   }
 }
 
-TEST(Model, ComesBackAsItWasSentAndNotWhereItDoesNotFit) {
+TEST(Model, AModelIsDecodedUnchangedAndRefusedWhereItDoesNotFit) {
   static Model sent, received;
   for (const Version v : {k27, k30, k40, k41, k42, k50}) {
     const Bytes payload = FullModel(v);

@@ -186,7 +186,7 @@ TEST(NatNetSkeleton, DoesNotBelieveMarksThatAServerNeverSets) {
 
 constexpr std::array<float, 4> kGlobalY{0, 9, 9, 9}, kLocalY{9, 9, 0, 9}, kLocalZ{9, 9, 9, 0};
 
-TEST(NatNetConventionFinder, KnowsNothingBeforeAFrameTells) {
+TEST(NatNetConventionFinder, TheConventionIsUnknownBeforeTheFirstFrame) {
   NatNetConventionFinder finder("auto", "auto");
   EXPECT_FALSE(finder.known());
   EXPECT_FALSE(finder.Evaluate({0, 0, 0, 0}));

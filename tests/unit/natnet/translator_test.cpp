@@ -239,7 +239,7 @@ TEST_F(NatNetFrames, HaveSixteenPropsAtMost) {
   EXPECT_EQ(counters_.Get(Counter::kPipelinePropsLeftOut), 4U);
 }
 
-TEST_F(NatNetDialogue, AsksWhoIsThereOnceASecondInBothShapesWhileNobodyAnswers) {
+TEST_F(NatNetDialogue, TheServerIsQueriedOnceASecondInBothShapesUntilItAnswers) {
   Tick();
   EXPECT_EQ(Asked(), Ids{MessageId::kConnect});
   EXPECT_EQ(translator_->NextDeadline_ns(), now_ns + kSecond_ns);
@@ -252,7 +252,7 @@ TEST_F(NatNetDialogue, AsksWhoIsThereOnceASecondInBothShapesWhileNobodyAnswers) 
   EXPECT_EQ(shapes_, (std::vector{Shape::kRecord, Shape::kBitstream, Shape::kRecord}));
 }
 
-TEST_F(NatNetDialogue, AsksForTheModelWhenTheServerAnsweredAndAgainUntilItComes) {
+TEST_F(NatNetDialogue, TheModelIsRequestedOnceTheServerAnswersUntilItArrives) {
   Tick();
   Asked();
   Handle(Info(true));
@@ -275,7 +275,7 @@ TEST_F(NatNetDialogue, KeepsAServerSendingThatStreamsToEachClient) {
   EXPECT_EQ(Asked(), (Ids{3, MessageId::kKeepAlive}));
 }
 
-TEST_F(NatNetDialogue, GoesWhereTheServerStreamsTo) {
+TEST_F(NatNetDialogue, TheServersStreamAddressIsUsed) {
   Tick();
   EXPECT_FALSE(translator_->stream());
   Handle(Info(true));
@@ -287,7 +287,7 @@ TEST_F(NatNetDialogue, GoesWhereTheServerStreamsTo) {
   EXPECT_FALSE(translator_->stream());
 }
 
-TEST_F(NatNetDialogue, GoesWhereTheConfigSaysOfAServerThatDoesNotSay) {
+TEST_F(NatNetDialogue, TheConfiguredAddressIsUsedIfTheServerNamesNone) {
   version_ = {2, 9};
   Make([](auto& config) { config.group = "239.255.42.97"; });
   Tick();
@@ -302,7 +302,7 @@ TEST_F(NatNetDialogue, GoesWhereTheConfigSaysOfAServerThatDoesNotSay) {
   EXPECT_FALSE(translator_->stream());
 }
 
-TEST_F(NatNetDialogue, AsksAgainWhoIsThereAfterTwoSecondsOfSilence) {
+TEST_F(NatNetDialogue, TheServerIsQueriedAgainAfterTwoSecondsOfSilence) {
   Begin();
   Handle(Frame());
   Pass(1);
@@ -313,7 +313,7 @@ TEST_F(NatNetDialogue, AsksAgainWhoIsThereAfterTwoSecondsOfSilence) {
   EXPECT_EQ(Asked(), Ids{MessageId::kRequestModelDef});
 }
 
-TEST_F(NatNetDialogue, AsksForTheModelAgainWhenItChangedOrLacksASkeletonButOnceASecondOnly) {
+TEST_F(NatNetDialogue, TheModelIsRequestedOnAChangeOrALackButOnceASecondOnly) {
   Begin();
   Pass(1);
   Asked();
@@ -360,7 +360,7 @@ TEST_F(NatNetDialogue, DoesNotAskForeverForASkeletonThatItCannotUse) {
   EXPECT_EQ(Frames().size(), 1U);
 }
 
-TEST_F(NatNetDialogue, AsksWhoIsThereWhenTheBitstreamChangedOrIsNotWhatItWas) {
+TEST_F(NatNetDialogue, TheServerIsQueriedWhenTheBitstreamChanges) {
   Begin();
   params_ = natnet::kBitstreamChanged;
   Handle(Frame());
@@ -388,7 +388,7 @@ TEST_F(NatNetDialogue, RefusesAServerThatIsTooOldAndSaysSo) {
   EXPECT_EQ(Asked(), Ids{MessageId::kConnect});
 }
 
-TEST_F(NatNetDialogue, TellsOfAServerWithoutSkeletons) {
+TEST_F(NatNetDialogue, AServerWithoutSkeletonsIsReported) {
   Begin({});
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0],
@@ -404,7 +404,7 @@ TEST_F(NatNetDialogue, TellsOfAServerWithoutSkeletons) {
   EXPECT_EQ(notes.size(), 3U);
 }
 
-TEST_F(NatNetDialogue, HearsNobodyButTheServer) {
+TEST_F(NatNetDialogue, OtherSendersThanTheServerAreIgnored) {
   Tick();
   Peer stranger = peer_;
   reinterpret_cast<sockaddr_in&>(stranger.address).sin_addr.s_addr = htonl(0x7F000002);
@@ -457,7 +457,7 @@ TEST_F(NatNetFrames, BecomeTheCanonicalPoseInEveryBitstreamAndConvention) {
   }
 }
 
-TEST_F(NatNetFrames, OfSeveralSkeletonsAreOfAsManyPerformersWhoseNamesDiffer) {
+TEST_F(NatNetFrames, SeveralSkeletonsAreSeveralPerformersOfDifferentNames) {
   Begin({"Anna B", "Anna_B", "Anna B"});
   Handle(Frame(3));
   const auto frames = Frames();
@@ -484,7 +484,7 @@ TEST_F(NatNetFrames, CarryTheServersTimeAndTimecode) {
   EXPECT_EQ(frames[0].timecode().frames(), 17U);
 }
 
-TEST_F(NatNetFrames, ThatCameBeforeOrWereOvertakenAreLeftOut) {
+TEST_F(NatNetFrames, RepeatedAndOvertakenFramesAreSkipped) {
   Begin();
   const Bytes first = Frame(), second = Frame();
   Handle(first);
@@ -496,7 +496,7 @@ TEST_F(NatNetFrames, ThatCameBeforeOrWereOvertakenAreLeftOut) {
   EXPECT_EQ(counters_.Get(Counter::kPipelineReordered), 1U);
 }
 
-TEST_F(NatNetFrames, ThatBeginAgainAreAnotherSession) {
+TEST_F(NatNetFrames, RestartedFrameNumbersAreAnotherSession) {
   Begin();
   Handle(Frame());
   number_ = 1;
@@ -512,7 +512,7 @@ std::uint64_t LostBetween(const Translated::Item& a, const Translated::Item& b) 
   return b.sequence - a.sequence - 1;
 }
 
-TEST_F(NatNetFrames, ThatAreMissingAreTold) {
+TEST_F(NatNetFrames, MissingFramesAreReported) {
   Begin();
   Handle(Frame());
   Handle(Frame());
@@ -522,7 +522,7 @@ TEST_F(NatNetFrames, ThatAreMissingAreTold) {
   EXPECT_EQ(LostBetween(items[items.size() - 2], items[items.size() - 1]), 3U);
 }
 
-TEST_F(NatNetFrames, OfWhichEverySecondOneIsSentAreNotMissed) {
+TEST_F(NatNetFrames, FramesOfAHalvedRateAreNotMissing) {
   Begin();
   for (int i = 0; i < 5; ++i) {
     Handle(Frame());

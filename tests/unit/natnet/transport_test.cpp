@@ -161,7 +161,7 @@ TEST(NatNetTransport, IsKnownByTheServerThatItAsks) {
   EXPECT_EQ(session.transport->endpoint(), session.server);
 }
 
-TEST(NatNetTransport, AsksAtOnceAndThenOnceASecond) {
+TEST(NatNetTransport, RequestsAreSentAtOnceAndThenOnceASecond) {
   Session session({}, "");
   EXPECT_LE(session.transport->NextDeadline_ns(), session.clock.now_ns);
   EXPECT_GT(session.transport->DoWork(session.pipeline), 0);
@@ -198,7 +198,7 @@ class NatNetGroup : public ::testing::Test {
   std::string group_;
 };
 
-TEST_F(NatNetGroup, ThatTheServerNamesBringsFrames) {
+TEST_F(NatNetGroup, TheGroupThatTheServerNamesBringsFrames) {
   Session session(Quirks(), "127.0.0.1");
   session.Connect();
   EXPECT_TRUE(session.pipeline.notes.empty()) << session.pipeline.notes.front();
@@ -218,7 +218,7 @@ TEST_F(NatNetGroup, IsJoinedOnAnInterfaceByName) {
   EXPECT_EQ(session.pipeline.frames, 1);
 }
 
-TEST_F(NatNetGroup, ThatCannotBeJoinedIsSaidOnceAndTriedAgain) {
+TEST_F(NatNetGroup, AGroupThatCannotBeJoinedIsReportedOnceAndTriedAgain) {
   Session session(Quirks(), "192.0.2.1");  // no machine has it
   session.Connect();
   ASSERT_EQ(session.pipeline.notes.size(), 1U);

@@ -216,7 +216,7 @@ TEST_F(SeveralTest, EachNetworkSeesThePerformersThatItKnows) {
   EXPECT_NEAR(spine(first->seen.rotations), 0.1, 1e-5);
 }
 
-TEST_F(SeveralTest, OfTheLimbGatesTheNarrowestBoundsHold) {
+TEST_F(SeveralTest, TheNarrowestBoundsOfTheLimbGatesApply) {
   first->Gate({.arms = {0.1F, 0.5F}, .trunk = {0.2F, 0.3F}, .legs = {0.3F, 0.6F}});
   second->Gate({.arms = {0.2F, 0.4F}, .trunk = {0.1F, 0.2F}, .legs = {0.4F, 0.7F}});
   both = Combine({{"v2", first}, {"graph", second}}).value();
@@ -315,13 +315,13 @@ TEST_F(SeveralTest, TheInputStyleIsEachNetworksOwn) {
   EXPECT_EQ(asked_second->input_style, 0);
 }
 
-TEST_F(SeveralTest, WhatIsNoStyleIsIgnored) {
+TEST_F(SeveralTest, AnInvalidStyleIsIgnored) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const Prediction out = Step({{-1, 1.0F}, {99, 1.0F}, {kPirate, nan}, {kOld, 1.0F}}, 77);
   EXPECT_NEAR(Turn(out).norm(), 0.2, 1e-5);
 }
 
-TEST_F(SeveralTest, WhatIsNotFiniteOfOneNetworkShows) {
+TEST_F(SeveralTest, AnInfiniteValueOfOneNetworkIsNotHidden) {
   second->velocity = std::numeric_limits<float>::infinity();
   const Prediction out = Step({{kOld, 0.6F}, {kPirate, 0.4F}});
   EXPECT_FALSE(std::isfinite(out.styled.velocities_m_s[0]));

@@ -98,12 +98,12 @@ class NeutralTest : public testing::Test {
   Neutral neutral_;
 };
 
-TEST_F(NeutralTest, OfTheReferenceItselfIsNearlyNothing) {
+TEST_F(NeutralTest, TheReferencesOwnNeutralIsNearlyZero) {
   Follow(Perform("walk:60", 20));
   EXPECT_LT(Apart_deg(Carriage()), 1.5);
 }
 
-TEST_F(NeutralTest, OfAStrangerWhoWalksIsKnownWithinThreeSeconds) {
+TEST_F(NeutralTest, AWalkingStrangersNeutralIsKnownWithinThreeSeconds) {
   const double before = Apart_deg(stranger_);
   Follow(Strangers("walk:60", 3));
   EXPECT_LT(Apart_deg(stranger_), 0.3 * before);
@@ -112,7 +112,7 @@ TEST_F(NeutralTest, OfAStrangerWhoWalksIsKnownWithinThreeSeconds) {
   EXPECT_GT(neutral_.learned(), 0.95F);
 }
 
-TEST_F(NeutralTest, OfAStrangerWhoRunsIsKnownToo) {
+TEST_F(NeutralTest, ARunningStrangersNeutralIsKnownToo) {
   const double before = Apart_deg(stranger_);
   Follow(Strangers("run:60", 20));
   EXPECT_LT(Apart_deg(stranger_), 0.3 * before);
@@ -153,7 +153,7 @@ TEST_F(NeutralTest, DoesNotDependOnTheRateOfFrames) {
   EXPECT_LT(Apart_deg(fast), 1);
 }
 
-TEST_F(NeutralTest, OfAStrangerWhoStandsIsKnownToo) {
+TEST_F(NeutralTest, AStandingStrangersNeutralIsKnownToo) {
   const double before = Apart_deg(stranger_);
   Follow(Strangers("stand:60", 20));
   EXPECT_LT(Apart_deg(stranger_), 0.3 * before);
@@ -237,7 +237,7 @@ TEST_F(NotOrdinary, ArmsHeldUpForAMinuteOfWalkingAreNotEaten) {
   }
 }
 
-TEST_F(NotOrdinary, WhatIsDoneInAnotherStyleIsNotEaten) {
+TEST_F(NotOrdinary, MotionInAnotherStyleIsNotRemoved) {
   Follow(Perform("walk:120", 60), 120, /*learns=*/false);
   EXPECT_LT(Apart_deg(known_), 0.05);
 }
@@ -275,7 +275,7 @@ TEST_F(NeutralTest, ACalibrationThatShowsNeitherStandingNorWalkingIsNone) {
   EXPECT_GT(neutral_.learned(), 0.8F) << "it goes on as without";
 }
 
-TEST_F(NeutralTest, WhatIsKnownIsKeptForAnotherNetwork) {
+TEST_F(NeutralTest, ALearnedNeutralIsKeptForAnotherNetwork) {
   Follow(Strangers("walk:60", 20));
   const Known known = neutral_.Tell(reference_);
   Neutral same;

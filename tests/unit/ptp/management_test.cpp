@@ -58,7 +58,7 @@ TEST(PtpManagement, TheRepliesOfARealPtp4l) {
   EXPECT_EQ(std::get<TimeProperties>(properties->data).time_source, 0xa0);
 }
 
-TEST(PtpManagement, WhatIsNoReplyIsNothing) {
+TEST(PtpManagement, AnInvalidReplyIsIgnored) {
   EXPECT_FALSE(Read({}));
   const auto request = Get(DataSet::kParent, 3, 9);
   EXPECT_EQ(request.size(), kRequestBytes);

@@ -99,7 +99,7 @@ TEST(QtmText, IsShownOnOneShortLine) {
   EXPECT_EQ(ToString(std::string(1000, 'x')).size(), 200U);
 }
 
-TEST(QtmText, OfAServerIsKnownInAnyCaseOfLetters) {
+TEST(QtmText, ServerTextIsKnownInAnyCaseOfLetters) {
   EXPECT_TRUE(IsGreeting("QTM RT Interface connected"));
   EXPECT_TRUE(IsGreeting("qtm rt INTERFACE connected."));
   EXPECT_FALSE(IsGreeting("QTM RT Interface"));

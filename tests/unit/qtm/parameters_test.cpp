@@ -46,7 +46,7 @@ TEST(QtmParameters, AreRefusedWithWhatWasExpected) {
             "skeleton a: segment Hips: Parent_ID=\"1\", expected the ID of a segment before it");
 }
 
-TEST(QtmParameters, ThatWouldTakeTheMemoryAreRefusedBeforeTheyAreParsed) {
+TEST(QtmParameters, OversizedParametersAreRefusedBeforeTheyAreParsed) {
   std::string nested = "<QTM><Skeletons><Skeleton Name=\"a\"><Segments>";
   for (int i = 0; i < 1'000'000; ++i) nested += "<Segment>";
   EXPECT_EQ(Refusal(nested), "XML with more than 200000 elements");
@@ -63,7 +63,7 @@ TEST(QtmParameters, ThatWouldTakeTheMemoryAreRefusedBeforeTheyAreParsed) {
 }
 
 // To look for each parent among all of them would take the square of their number.
-TEST(QtmParameters, OfASkeletonWithTooManySegmentsAreTheFirstAndHowManyFollow) {
+TEST(QtmParameters, ASkeletonWithTooManySegmentsKeepsTheFirstAndTheCount) {
   std::string flat = "<Segment Name=\"s0\" ID=\"0\"/>";
   for (int i = 1; i < 70'000; ++i) {
     flat +=
@@ -86,7 +86,7 @@ TEST(QtmParameters, OfASkeletonWithTooManySegmentsAreTheFirstAndHowManyFollow) {
   EXPECT_EQ(b.segments_left_out, 401 - kMaxSegments);
 }
 
-TEST(QtmParameters, OfSkeletonsThatAreLeftOutAreTheirNames) {
+TEST(QtmParameters, LeftOutSkeletonsAreNamed) {
   Parameters written;
   written.skeletons.emplace();
   for (int k = 0; k < 20; ++k) {
@@ -100,7 +100,7 @@ TEST(QtmParameters, OfSkeletonsThatAreLeftOutAreTheirNames) {
   EXPECT_EQ(read.value().skeletons->at(19).name, "s19");
 }
 
-TEST(QtmParameters, OfTheNestedFormHaveEveryValue) {
+TEST(QtmParameters, TheNestedFormHasEveryValue) {
   const auto read = ReadParameters(kNestedXml);
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(read.value().frequency_hz, 100);
@@ -125,7 +125,7 @@ TEST(QtmParameters, OfTheNestedFormHaveEveryValue) {
   EXPECT_THAT(skeleton.segments[2].rotation, ElementsAre(0, 0, 0, 1)) << "nothing said";
 }
 
-TEST(QtmParameters, OfTheFlatFormHaveEveryValue) {
+TEST(QtmParameters, TheFlatFormHasEveryValue) {
   const auto read = ReadParameters(kFlatXml);
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_FALSE(read.value().frequency_hz);

@@ -101,7 +101,7 @@ TEST_F(ConvertTest, FindsSegmentsByTheirIdInAnyOrder) {
   EXPECT_LT((pose_.translations[0] - rig::Vec3(1, 3, -2)).norm(), 1e-4F);
 }
 
-TEST_F(ConvertTest, WhatIsMissingOrNotTrackedIsNan) {
+TEST_F(ConvertTest, MissingAndUntrackedJointsAreNan) {
   const float nan = std::nanf("");
   segments_->segments[1].rotation = {nan, nan, nan, nan};
   segments_->segment_count = 2;

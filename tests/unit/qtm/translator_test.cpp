@@ -122,7 +122,7 @@ TEST_F(QtmTranslatorTest, SeveralSkeletonsAreSeveralPerformersWithValidNames) {
 }
 
 // Their XML alone is larger than any other packet may be.
-TEST_F(QtmTranslatorTest, OfTwentySkeletonsWithFingersSixteenPlay) {
+TEST_F(QtmTranslatorTest, SixteenOfTwentySkeletonsWithFingersArePublished) {
   qtm::Parameters parameters;
   parameters.skeletons.emplace();
   for (std::uint32_t k = 0; k < 20; ++k) {
@@ -288,7 +288,7 @@ TEST_F(QtmTranslatorTest, AnErrorBeforeTheFirstFrameIsTheStreams) {
   EXPECT_TRUE(Answers(Described({"a"}))) << "asked again";
 }
 
-TEST_F(QtmTranslatorTest, SaysOnceThatNoFrameCameAndReadsSkeletonsAnyway) {
+TEST_F(QtmTranslatorTest, MissingFramesAreReportedOnceAndSkeletonsAreReadAnyway) {
   for (const bool no_measurement : {false, true}) {
     translated_.now_ns += 100 * kSecond_ns;
     Connect(Described({"a"}));

@@ -86,7 +86,7 @@ TEST_F(CliTest, BadCommandLinesEndWithTwoAndSayWhatWasExpected) {
          "found 2 addresses in --forward");
 }
 
-TEST_F(CliTest, WhatPlayCannotDoAsItIsAskedEndsWithTwoAndSendsNothing) {
+TEST_F(CliTest, AnImpossiblePlayEndsWithTwoAndSendsNothing) {
   testing::Listener listener;
   const std::string published = Write("published", Motion());
   const std::string arrived =

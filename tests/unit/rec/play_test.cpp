@@ -95,7 +95,7 @@ TEST_F(PlayTest, FlatOutNothingIsWaitedFor) {
   EXPECT_EQ(clock_.slept_ns, 0);
 }
 
-TEST_F(PlayTest, WhatIsOverdueComesAtOnceAndNothingIsSkipped) {
+TEST_F(PlayTest, OverdueRecordsAreSentAtOnceAndNoneIsSkipped) {
   outlet_.cost_ns = 15 * kMillisecond_ns;
   ASSERT_TRUE(Run({0, 10, 20, 30, 100}, {}).ok());
   EXPECT_THAT(outlet_.at_ms, ElementsAre(0, 15, 30, 45, 100));

@@ -93,7 +93,7 @@ TEST_F(PublishOutletTest, FramesAndStatisticsGetAnotherEpochAndKeepAllElse) {
   EXPECT_EQ(outlet_->counts().messages, 4U);
 }
 
-TEST_F(PublishOutletTest, AsRecordedEverythingIsByteForByteAndWhatIsNoMessageAlwaysIs) {
+TEST_F(PublishOutletTest, RecordedBytesAreSentUnchangedAndInvalidOnesAlways) {
   Bind(true);
   Subscribe("");
   Play(FrameRecord(4));

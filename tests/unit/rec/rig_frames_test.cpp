@@ -73,7 +73,7 @@ TEST_F(RigFramesTest, FramesWithoutABodyOrOfAnotherSizeAreLeftOutAndCounted) {
   EXPECT_EQ(frames_.without_body(), 3U);
 }
 
-TEST_F(RigFramesTest, WhatIsNoFrameOfASourceIsPassedOver) {
+TEST_F(RigFramesTest, OtherRecordsThanFramesOfASourceAreSkipped) {
   ApplyBody();
   const auto payload = testing::MakeFrame(body_, 1, 1).SerializeAsString();
   for (const char* topic : {"styled/rig.a/rig/", "stats/", "source/x/"}) {

@@ -61,7 +61,7 @@ TEST_F(RigOutletTest, AnAddressThatMakesNoSenseAndAnUnknownOriginAreRefused) {
               HasSubstr("source 'rig': where it listened is not recorded"));
 }
 
-TEST_F(RigOutletTest, WhatIsNotOursGoesByteForByte) {
+TEST_F(RigOutletTest, ForeignFormatsAreSentByteForByte) {
   RigOutlet outlet = Make();
   std::string damaged = FrameDatagram(5, 1);
   damaged.back() ^= 1;
@@ -119,7 +119,7 @@ TEST_F(RigOutletTest, PiecesOfAStreamBecomeWholeDatagramsOfANewSessionAndWhatBro
   }
 }
 
-TEST_F(RigOutletTest, AsRecordedTheyGoByteForByteToo) {
+TEST_F(RigOutletTest, UnchangedFramesAreSentByteForByteToo) {
   RigOutlet outlet = Make(true);
   const std::string sent = BodyDatagram(5, 0);
   Play(outlet, Arrival(0, sent));

@@ -102,7 +102,7 @@ TEST_F(SteeringTest, ADaemonThatCountsInAnotherWayIsTakenToHaveCaughtUpWhenItSta
   EXPECT_THAT(commands_, ElementsAre("rig.a after 1003", "rig.a after 1013", "rig.a after 1038"));
 }
 
-TEST_F(SteeringTest, WhatTheDaemonRefusesIsSaidAndTheRestGoesOn) {
+TEST_F(SteeringTest, RefusedRequestsAreReportedAndTheOthersContinue) {
   auto steering = Steering::Connect(daemon_.control(), clock_);
   ASSERT_TRUE(steering.ok());
   EXPECT_TRUE(steering.value()->Play(Command("rig.unknown")).ok());

@@ -139,7 +139,7 @@ TEST_F(TakeTest, APauseOfADayIsShortened) {
   EXPECT_LT(clip.value().frames.size(), 2700U);
 }
 
-TEST_F(TakeTest, OfSeveralBodiesTheMostUsedOneIsTaken) {
+TEST_F(TakeTest, TheMostUsedOfSeveralBodiesIsChosen) {
   AddBody(body_);
   AddFrame(1, 1);
   body_.set_hash(6);
@@ -225,7 +225,7 @@ TEST_F(TakeTest, AxesAndAnUnknownUnitAreThoseOfTheTPose) {
   EXPECT_TRUE(motion.value().canonical_from_source.isApprox(take.canonical_from_source));
 }
 
-TEST_F(TakeTest, WhatIsNoHumanoidIsTakenAsItIs) {
+TEST_F(TakeTest, OtherSkeletonsThanHumanoidsAreExportedUnchanged) {
   for (int j = 0; j < body_.names_size(); ++j) body_.set_names(j, "bone" + std::to_string(j));
   body_.set_metres_per_unit(0.5F);
   AddBody(body_);

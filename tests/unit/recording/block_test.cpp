@@ -140,7 +140,7 @@ TEST(BlockTest, ThePayloadIsOneZstdFrameOfMessagesBehindTheirLengths) {
   EXPECT_EQ(raw, expected);
 }
 
-TEST(BlockTest, WhatDoesNotCompressIsStoredAsItIs) {
+TEST(BlockTest, IncompressibleDataIsStoredUnchanged) {
   BlockBuilder builder;
   Record record;
   record.mutable_note()->set_text("x");

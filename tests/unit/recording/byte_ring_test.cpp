@@ -23,7 +23,7 @@ TEST(ByteRingTest, AnEmptyRingHasNothing) {
   EXPECT_EQ(Pop(ring), "none");
 }
 
-TEST(ByteRingTest, WhatHasNoRoomIsRefusedWholeAndTheRestStays) {
+TEST(ByteRingTest, ARecordWithoutRoomIsRefusedWholeAndTheOthersStay) {
   ByteRing ring(64);
   ASSERT_TRUE(ring.Push({BytesOf(std::string(40, 'a'))}));  // 44 of 64
   EXPECT_FALSE(ring.Push({BytesOf(std::string(17, 'b'))}));

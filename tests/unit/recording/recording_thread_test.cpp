@@ -111,7 +111,7 @@ TEST_F(RecordingThreadTest, AFullRingDropsCountsAndGoesOn) {
   EXPECT_EQ(ReadAll().size(), kCount - dropped);
 }
 
-TEST_F(RecordingThreadTest, WhatNoRecordCanHoldIsCountedAndTakesNoRoom) {
+TEST_F(RecordingThreadTest, AnOversizedRecordIsCountedAndUsesNoRoom) {
   {
     const auto thread = Start(8U << 20U);
     EXPECT_FALSE(thread->PushNote(1, std::string(kMaxRecordSize, 'x')));

@@ -125,7 +125,7 @@ TEST(Binding, ScaleIsHipsHeightOverHipsHeight) {
   EXPECT_NEAR(Binding::Make(spec).value().scale(), 0.004, 1e-6);
 }
 
-TEST(Binding, OfTheCanonicalBodyItselfChangesNothing) {
+TEST(Binding, TheCanonicalBodysBindingChangesNothing) {
   const Binding binding = Binding::Make(HumanoidSpec()).value();
   Random random(1);
   for (int round = 0; round < 100; ++round) {
@@ -140,7 +140,7 @@ TEST(Binding, OfTheCanonicalBodyItselfChangesNothing) {
   }
 }
 
-TEST(Binding, OfTheRestPoseIsTheCanonicalRestPose) {
+TEST(Binding, TheRestPoseBecomesTheCanonicalRestPose) {
   Random random(2);
   for (int round = 0; round < 50; ++round) {
     const StrangeRig rig = MakeStrangeRig(random, 100);
@@ -201,7 +201,7 @@ TEST(Binding, BackAndThereGivesAnyCanonicalPoseBack) {
 }
 
 // With the twist joint at rest, the rig's joints must be where the canonical ones are.
-TEST(Binding, PutsTheRigsJointsWhereTheCanonicalOnesAre) {
+TEST(Binding, TheRigsJointsAreWhereTheCanonicalOnesAre) {
   Random random(5);
   for (int round = 0; round < 50; ++round) {
     const StrangeRig rig = MakeStrangeRig(random, 100);
@@ -292,7 +292,7 @@ TEST(Binding, MovingAndTurningTheSourceMovesAndTurnsTheHipsOnly) {
   }
 }
 
-TEST(Binding, OfAMirroredPoseIsTheMirroredPose) {
+TEST(Binding, AMirroredPoseBecomesTheMirroredPose) {
   const Binding binding = Binding::Make(HumanoidSpec()).value();
   Random random(9);
   for (int round = 0; round < 50; ++round) {

@@ -39,7 +39,7 @@ TEST(Grip, IsWholeUpToAForearmAndNoneBeyondItAndSmoothBetween) {
   }
 }
 
-TEST(Grip, OfTwoHandsTheNearerHasAlmostAllAndTheyPassItOnSmoothly) {
+TEST(Grip, TheNearerOfTwoHandsHasAlmostAllAndTheyPassItSmoothly) {
   Grip last =
       GripOf({Vec3::Zero(), Quat::Identity()}, At(Vec3::Zero(), Vec3(0.4F, 0, 0)), Hand::kAuto);
   EXPECT_GT(last.share[0], 0.99F);

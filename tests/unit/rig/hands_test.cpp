@@ -126,7 +126,7 @@ TEST(Hands, ShowTheAxesByThemselves) {
   }
 }
 
-TEST(Hands, OfOneFingerHaveTheUsualUpAndWithoutLengthsTheUsualAxes) {
+TEST(Hands, OneFingerHasTheUsualUpAndWithoutLengthsTheUsualAxes) {
   Skeleton skeleton;
   skeleton.names = {"rightHand", "rightIndexProximal", "rightIndexIntermediate"};
   skeleton.parents = {-1, 0, 1};

@@ -153,7 +153,7 @@ std::vector<Naming> Namings() {
   };
 }
 
-TEST(JointNames, OfEveryNamingHabitMapToTheHumanoid) {
+TEST(JointNames, EveryNamingHabitMapsToTheHumanoid) {
   for (const Naming& naming : Namings()) {
     ASSERT_EQ(naming.names.size(), body::kJointCount) << naming.rig;
     Skeleton skeleton;
@@ -172,14 +172,14 @@ TEST(JointNames, OfEveryNamingHabitMapToTheHumanoid) {
   }
 }
 
-TEST(JointNames, ThatMeanNothingMapToNothing) {
+TEST(JointNames, MeaninglessNamesMapToNothing) {
   Skeleton skeleton;
   skeleton.names = {"", ":", "_", "wheel", "left", "L", "mixamorig", "Bip01", "\xFF\xFE"};
   for (int joint : MapJointNames(skeleton)) EXPECT_EQ(joint, -1);
   for (int joint : MapJointNames(Skeleton())) EXPECT_EQ(joint, -1);
 }
 
-TEST(JointNames, ThatOccurTwiceMapToTheFirst) {
+TEST(JointNames, RepeatedNamesMapToTheFirst) {
   Skeleton skeleton;
   skeleton.names = {"Head", "head"};
   EXPECT_EQ(MapJointNames(skeleton)[body::kHead], 0);

@@ -45,7 +45,7 @@ std::vector<Quat> RestOf(const StrangeRig& rig, const body::Pose& standing) {
                      rig.spec.canonical_from_source);
 }
 
-TEST(RestBySwing, OfATPoseIsThatTPose) {
+TEST(RestBySwing, ATPoseStaysThatTPose) {
   Random random(1);
   for (int round = 0; round < 20; ++round) {
     const StrangeRig rig = MakeStrangeRig(random, 100);
@@ -57,7 +57,7 @@ TEST(RestBySwing, OfATPoseIsThatTPose) {
   }
 }
 
-TEST(RestBySwing, PutsEveryBoneOntoItsTPoseDirectionWhereverThePerformerFaces) {
+TEST(RestBySwing, EveryBonePointsAlongItsTPoseDirectionForAnyHeading) {
   Random random(2);
   for (float yaw : {0.0F, 0.5F, -2.0F, 3.1F}) {
     const StrangeRig rig = MakeStrangeRig(random, 100);
@@ -101,7 +101,7 @@ TEST(RestBySwing, KeepsElbowsAndKneesHingedAboutTheAxisTheyHave) {
   EXPECT_GT(knee.dot(Vec3::UnitX()), 0.95F);
 }
 
-TEST(RestBySwing, LetsHandsToesAndFingersInheritTheSwingAboveThem) {
+TEST(RestBySwing, HandsToesAndFingersInheritTheSwingAboveThem) {
   Random random(4);
   const StrangeRig rig = MakeStrangeRig(random, 100);
   const std::vector<Quat> rest = RestOf(rig, Standing(0));

@@ -84,7 +84,7 @@ std::vector<TailNaming> TailNamings() {
   };
 }
 
-TEST(TailNames, OfEveryNamingHabitMapToVrmsBones) {
+TEST(TailNames, EveryNamingHabitMapsToVrmsBones) {
   for (TailNaming naming : TailNamings()) {
     ASSERT_EQ(naming.fingers.size(), static_cast<std::size_t>(kHandTail)) << naming.rig;
     const bool no_tips = naming.rig == "gloves without tips";
@@ -113,7 +113,7 @@ TEST(TailNames, OfEveryNamingHabitMapToVrmsBones) {
 }
 
 // Names that resemble a finger's: one stiff joint, ends of bones, the body's joints.
-TEST(TailNames, ThatMeanSomethingElseMapToNothing) {
+TEST(TailNames, OtherNamesMapToNothing) {
   Skeleton skeleton;
   skeleton.names = {"Hips",     "LeftHand",        "LeftFingerBase", "LeftHandIndex1", "LThumb",
                     "RThumb",   "RightHandIndex1", "finger",         "finger_01",      "L_Finger3",
@@ -123,7 +123,7 @@ TEST(TailNames, ThatMeanSomethingElseMapToNothing) {
   EXPECT_EQ(MapTailNames(Skeleton()), NoTail());
 }
 
-TEST(TailNames, OfTheTableAreVrms) {
+TEST(TailNames, TheTablesNamesAreVrms) {
   EXPECT_EQ(kTailNames[kTailLeftThumb], "leftThumbMetacarpal");
   EXPECT_EQ(kTailNames[kTailRightThumb], "rightThumbMetacarpal");
   EXPECT_EQ(kTailNames[kTailRightThumb + 14], "rightLittleDistal");

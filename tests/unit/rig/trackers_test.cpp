@@ -176,7 +176,7 @@ TEST(Trackers, GiveTheRestPoseBeforeTheFirstReset) {
   EXPECT_FALSE(trackers.Solve(kStart_ns + 400'000'000, pose));
 }
 
-TEST(Trackers, ThatAreSilentAreNotReset) {
+TEST(Trackers, SilentTrackersAreNotReset) {
   Trackers trackers(AtOnce());
   Worn(kAllWorn, 1).Tell(trackers, kStart_ns, {});
   EXPECT_EQ(trackers.ResetFull(kStart_ns + 400'000'000).done, 0U);
@@ -245,7 +245,7 @@ TEST(Trackers, NeedNoSecondMountingReset) {
   }
 }
 
-TEST(Trackers, ThatDriftedAreRecoveredByAYawReset) {
+TEST(Trackers, AYawResetRecoversDriftedTrackers) {
   Trackers trackers(AtOnce());
   Worn worn = Worn(kAllWorn, 5).AsUsual(Stance::kTPose);
   worn.Tell(trackers, kStart_ns, {});
@@ -271,7 +271,7 @@ TEST(Trackers, AreRecoveredByAMountingResetThatFollowsAYawReset) {
   EXPECT_LT(WorstDegrees(trackers, worn, kStart_ns + 2), 0.3F);
 }
 
-TEST(Trackers, ThatDidNotTurnAreLeftByAMountingReset) {
+TEST(Trackers, AMountingResetSkipsTrackersThatDidNotTurn) {
   Trackers trackers(AtOnce());
   const Worn worn = Worn({body::kHips, body::kLeftFoot, body::kHead}, 7).AsUsual(Stance::kTPose);
   worn.Tell(trackers, kStart_ns, {});
@@ -287,7 +287,7 @@ TEST(Trackers, ThatDidNotTurnAreLeftByAMountingReset) {
   EXPECT_LT(WorstDegrees(trackers, worn, kStart_ns + 1), 0.2F);
 }
 
-TEST(Trackers, ThatCameAfterTheFullResetAreNamedByTheOthers) {
+TEST(Trackers, LateTrackersAreNamedByTheOtherResets) {
   Trackers trackers(AtOnce());
   const Worn worn = Worn({body::kHips}, 8).AsUsual(Stance::kTPose);
   const Worn late = Worn({body::kChest}, 8).AsUsual(Stance::kTPose);
@@ -357,7 +357,7 @@ TEST(Trackers, WithoutOneAtTheHipsTakeTheirHeadingFromAbove) {
 
 bool IsNan(const Quat& q) { return q.coeffs().array().isNaN().all(); }
 
-TEST(Trackers, ThatFallSilentAreHeldAndToldAsNan) {
+TEST(Trackers, SilentTrackersAreHeldAndReportedAsNan) {
   Trackers trackers(AtOnce());
   const Worn arm = Worn({body::kLeftUpperArm}, 1).AsUsual(Stance::kTPose);
   const Worn rest =
@@ -415,7 +415,7 @@ TEST(Trackers, TellWhatIsBelowASilentOneWithRegardToWhatIsHeld) {
             0.1F);
 }
 
-TEST(Trackers, ThatAreAllSilentGiveNoPose) {
+TEST(Trackers, NoPoseIsSolvedWhenAllTrackersAreSilent) {
   Trackers trackers(AtOnce());
   const Worn worn = Worn(kAllWorn, 1).AsUsual(Stance::kTPose);
   worn.Tell(trackers, kStart_ns, {});
@@ -451,7 +451,7 @@ TEST(Trackers, AreTakenAtTheTimeOfThePoseBetweenTheirSamples) {
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
 }
 
-TEST(Trackers, ThatJumpAreNotThrownFurther) {
+TEST(Trackers, AJumpingTrackerIsNotThrownFurther) {
   Trackers::Options options;
   options.delay_ns = kPeriod_ns;
   Trackers trackers(options);
@@ -536,7 +536,7 @@ Track Follow(const std::string& script, int frames, const std::vector<Joint>& pa
   return track;
 }
 
-TEST(TrackersPlace, OfTheRestPoseIsThatOfTheHumanoid) {
+TEST(TrackersPlace, TheRestPosesPlaceIsThatOfTheHumanoid) {
   const auto pose = SolveOne({body::kHips}, {});
   EXPECT_NEAR(pose.hips_position_m.x(), 0, 1e-5F);
   EXPECT_NEAR(pose.hips_position_m.y(), body::kHumanoid[body::kHips].y_m, 1e-4F);
@@ -571,7 +571,7 @@ std::array<Vec3, 4> Soles(const body::Pose& pose) {
 
 // When the weight passes to another sole, the old one may have risen by this much since the last
 // frame.
-TEST(TrackersPlace, LetsAFootOnTheFloorNotSlide) {
+TEST(TrackersPlace, AFootOnTheFloorDoesNotSlide) {
   constexpr float kNearFloor_m = 0.02F;
   const Track track = Follow("walk:20,turn-left:10,stand:5", 3500, kLegsWorn);
   for (std::size_t i = 1; i < track.found.size(); ++i) {
@@ -600,7 +600,7 @@ TEST(TrackersPlace, DoesNotJumpFromFootToFoot) {
   EXPECT_LT(fastest_m, 1.2F * performer_m);
 }
 
-TEST(TrackersPlace, GoesWhereTheWalkerGoes) {
+TEST(TrackersPlace, ThePlaceFollowsTheWalker) {
   const Track track = Follow("walk:60", 2000, kLegsWorn);
   const auto way = [](const std::vector<body::Pose>& poses) {
     return (poses.back().hips_position_m - poses.front().hips_position_m).eval();

@@ -333,7 +333,7 @@ TEST(JsonReader, AnotherTypeThanWasAskedForIsNoMistakeOfSyntax) {
   EXPECT_TRUE(Skipped(json, "{}")) << "the next text is read as if nothing had been";
 }
 
-TEST(JsonReader, GoesAsDeepAsItSaysAndNoDeeper) {
+TEST(JsonReader, NestingIsReadToTheStatedDepthAndNoDeeper) {
   JsonReader json(kMaxBytes);
   // The root is the first level.
   const auto nested = [](std::size_t depth) {

@@ -234,7 +234,7 @@ Frame AnyFrame(unsigned seed) {
 }
 
 // The other direction's witness: what we write, nlohmann reads.
-TEST(Rokoko, WhatIsWrittenIsReadByTheOracleToTheSameValues) {
+TEST(Rokoko, TheOracleReadsOurBytesToTheSameValues) {
   std::string out(kMaxTextSize, '\0');
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Frame frame = AnyFrame(seed);
@@ -267,7 +267,7 @@ TEST(Rokoko, WhatIsWrittenIsReadByTheOracleToTheSameValues) {
 }
 
 // And what nlohmann writes, in its own order, we read.
-TEST(Rokoko, WhatTheOracleWritesIsReadToTheSameValues) {
+TEST(Rokoko, TheOraclesBytesAreReadToTheSameValues) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const Frame frame = AnyFrame(seed);
     Json actors = Json::array();

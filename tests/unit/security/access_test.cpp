@@ -48,7 +48,7 @@ TEST(AccessTest, ARoleOpensItsDoorsAndAnUnknownKeyNone) {
   EXPECT_EQ(access.Judge("", Door::kPublish), Access::Verdict::kUnknownKey);
 }
 
-TEST(AccessTest, WhoIsRevokedIsCutAndNobodyElseIs) {
+TEST(AccessTest, ARevokedClientIsCutAndNoOther) {
   Access access;
   (void)access.Replace({kAnna, kBob});
   const Wire anna, bob, bob_too;
@@ -84,7 +84,7 @@ TEST(AccessTest, AnotherRoleCutsNoFrames) {
   EXPECT_EQ(access.Judge(kAnna.key, Door::kControl), Access::Verdict::kRole);
 }
 
-TEST(AccessTest, WhoSubscribesAfterHeWasRevokedIsCutAtOnce) {
+TEST(AccessTest, ARevokedClientThatSubscribesIsCutAtOnce) {
   Access access;
   const Wire wire;
   access.NoteSubscriber(kBob.key, wire.ours.get());
@@ -106,7 +106,7 @@ TEST(AccessTest, AnotherConnectionOfTheSameNumberIsNotCut) {
   EXPECT_FALSE(anna.Ended());
 }
 
-TEST(AccessTest, WhatIsNoSocketIsLeftAlone) {
+TEST(AccessTest, OtherFilesThanSocketsAreLeftAlone) {
   Access access;
   std::array<int, 2> pipes{};
   ASSERT_EQ(pipe(pipes.data()), 0);

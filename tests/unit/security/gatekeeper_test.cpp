@@ -87,7 +87,7 @@ TEST_F(GatekeeperTest, HostileRequestsAreAnsweredWithARefusalAndNothingElse) {
   EXPECT_EQ(counters_.Get(Counter::kSecurityAdmitted), 0U);
 }
 
-TEST_F(GatekeeperTest, WhatTheFolderSaysIsInForceAtTheNextRequest) {
+TEST_F(GatekeeperTest, AChangeInTheFolderAppliesToTheNextRequest) {
   const std::string key = NewKey();
   EXPECT_EQ(CodeFor(key, "publish"), "300");
   ASSERT_TRUE(keys::Allow(keys_, {"anna", key, keys::Role::kSubscriber}).ok());

@@ -34,7 +34,7 @@ TEST(IpcPathTest, AFreePathAndADeadSocketMayBeBound) {
   EXPECT_TRUE(CheckFree(folder / "dead").ok());
 }
 
-TEST(IpcPathTest, WhatIsNoSocketIsNamed) {
+TEST(IpcPathTest, OtherFilesThanSocketsAreNamed) {
   const support::TemporaryFolder folder;
   support::WriteText(folder / "file", "precious");
   std::filesystem::create_directory(folder / "folder");

@@ -41,7 +41,7 @@ TEST_F(KeyCommandsTest, KeygenPrintsThePublicKeyAloneAndKeepsThePair) {
   ASSERT_TRUE(pair.ok()) << pair.status().message();
   EXPECT_EQ(out_.str(), pair.value().public_key + "\n");
   EXPECT_EQ(Run({"keygen", folder_ / "me.key"}), kExitRefused);
-  EXPECT_THAT(err_.str(), HasSubstr("is there already"));
+  EXPECT_THAT(err_.str(), HasSubstr("exists already"));
   EXPECT_EQ(Run({"keygen"}), kExitUsage);
   EXPECT_EQ(Run({"keygen", folder_ / "no/such/folder.key"}), kExitRefused);
   EXPECT_THAT(err_.str(), HasSubstr("No such file"));
@@ -69,7 +69,7 @@ TEST_F(KeyCommandsTest, ClientsAreLetInShownAndRevoked) {
   EXPECT_EQ(keys::ReadClients(keys_).value().allowed.size(), 1U);
 }
 
-TEST_F(KeyCommandsTest, WhatIsWrongIsSaidAndNothingChanges) {
+TEST_F(KeyCommandsTest, ErrorsAreReportedAndNothingChanges) {
   const std::string key = keys::MakePair().value().public_key;
   EXPECT_EQ(RunAt({"allow", "anna", "nonsense"}), kExitRefused);
   EXPECT_THAT(err_.str(), HasSubstr("'nonsense' is not a public key; expected 40 characters"));
@@ -108,8 +108,8 @@ TEST_F(KeyCommandsTest, OptionsOfProgramsNameFilesAndKeys) {
   const auto complaint = [](const std::string& key, const std::string& server) {
     return client::ReadKeys({key, server}).status().message();
   };
-  EXPECT_THAT(complaint(file, ""), HasSubstr("--key: expected --server-key"));
-  EXPECT_THAT(complaint("", server_), HasSubstr("--server-key: expected --key"));
+  EXPECT_THAT(complaint(file, ""), HasSubstr("--key: expected also --server-key"));
+  EXPECT_THAT(complaint("", server_), HasSubstr("--server-key: expected also --key"));
   EXPECT_THAT(complaint(folder_ / "none", server_), HasSubstr("--key " + (folder_ / "none")));
   EXPECT_THAT(complaint(file, "nonsense"), HasSubstr("expected a key, 40 characters"));
   std::filesystem::permissions(file, std::filesystem::perms(0644));

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(KeyFileTest, WhatIsWrittenIsRead) {
+TEST(KeyFileTest, AWrittenFileIsReadAgain) {
   const KeyFile pair = MakePair().value();
   for (const KeyFile& file :
        {pair, KeyFile{pair.public_key, "", Role::kOperator},
@@ -36,7 +36,7 @@ TEST(KeyFileTest, CertificatesOfOtherProgramsAreRead) {
   EXPECT_FALSE(read.value().role);
 }
 
-TEST(KeyFileTest, WhatIsWrongIsNamedAndNoKeyIsRepeated) {
+TEST(KeyFileTest, ErrorsAreNamedAndNoKeyIsRepeated) {
   const std::string key = kPublicOfRfc;
   const auto complaint = [](const std::string& text) {
     const auto read = Parse(text);

@@ -54,7 +54,7 @@ TEST(RateLimiterTest, AFloodIsCutToTheLimit) {
   EXPECT_LE(admitted, 10000 + 282 + 1) << "and the bucket that was full";
 }
 
-TEST(RateLimiterTest, WhatCameTooLateComesAtOnceUpToAQuarterOfASecond) {
+TEST(RateLimiterTest, AfterASilenceAtMostAQuarterOfASecondIsAllowedAtOnce) {
   RateLimiter limiter(400, 1);
   EXPECT_EQ(Burst(limiter, From(1), 0, 1000), 132);
   EXPECT_EQ(Burst(limiter, From(1), 100 * kMillisecond_ns, 1000), 40);
@@ -106,7 +106,7 @@ TEST(RateLimiterTest, ForgedAddressesTakeNothingFromTheKnown) {
   EXPECT_GT(tried, 10 * admitted);
 }
 
-TEST(RateLimiterTest, WhoWasSilentGivesHisPlaceToTheNext) {
+TEST(RateLimiterTest, ASilentAddressIsReplacedByTheNext) {
   RateLimiter limiter(400, 1);
   for (std::uint32_t address = 1; address <= 100000; ++address) {
     (void)Burst(limiter, From(address), 0, 1);

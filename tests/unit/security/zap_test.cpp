@@ -20,7 +20,7 @@ TEST(ZapTest, EachCaseOfTheTableIsReadOrRefusedForItsReason) {
   }
 }
 
-TEST(ZapTest, WhoAsksWhereAndFromWhereIsKept) {
+TEST(ZapTest, IdentityDomainAndAddressAreKept) {
   auto frames = ZapCases()[1].frames;
   const auto pair = keys::MakePair().value();
   frames[6] = std::string(32, '\0');

@@ -29,7 +29,7 @@ class ClipMotionTest : public ::testing::Test {
   const fs::path& folder_ = temporary_.path();
 };
 
-TEST_F(ClipMotionTest, WhatIsMissingOrEmptyIsNamed) {
+TEST_F(ClipMotionTest, MissingAndEmptyFilesAreNamed) {
   const auto missing = FindClips({folder_ / "no.bvh"});
   ASSERT_FALSE(missing.ok());
   EXPECT_NE(missing.status().message().find("no.bvh: not found"), std::string::npos);

@@ -53,7 +53,7 @@ TEST(Player, SendsEveryFrameAtItsTimeWhateverASleepIsLate) {
   EXPECT_EQ(player.counts().late_ticks, 0U);
 }
 
-TEST(Player, ThatNobodyListensIsToldOnceAndCounted) {
+TEST(Player, AMissingReceiverIsReportedOnceAndCounted) {
   FakeClock clock;
   FakeLink link(&clock);
   link.refusing = true;
@@ -69,7 +69,7 @@ TEST(Player, ThatNobodyListensIsToldOnceAndCounted) {
 }
 
 // As of a rig that seeks its server once a second.
-TEST(Player, ThatNobodyListensIsToldOfASenderThatSendsSeldom) {
+TEST(Player, AMissingReceiverIsReportedForASlowSenderToo) {
   class Link final : public player::Link {
    public:
     Link(FakeClock& clock, std::uint64_t most)

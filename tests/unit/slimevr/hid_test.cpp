@@ -90,7 +90,7 @@ TEST(Report, PassesOverTypesToComeAndCountsThem) {
   EXPECT_TRUE(std::holds_alternative<Registration>(report.records[1].body));
 }
 
-TEST(Record, OfInfoIsReadAsTheFirmwareWritesIt) {
+TEST(Record, InfoIsReadAsTheFirmwareWritesIt) {
   const auto info = RecordAs<Info>(testing::kInfoRecord);
   EXPECT_EQ(info.battery.percent, 87);
   EXPECT_NEAR(info.battery.volts, 3.95F, 1e-5F);
@@ -107,7 +107,7 @@ TEST(Record, OfInfoIsReadAsTheFirmwareWritesIt) {
 }
 
 // HIDCommon.kt: 128 is shown as 0 %, 0 hides the battery, temperature 0 is none.
-TEST(Record, TellsAnEmptyBatteryFromNone) {
+TEST(Record, AnEmptyBatteryDiffersFromNone) {
   Bytes bytes = testing::kInfoRecord;
   bytes[2] = std::byte{128};
   EXPECT_EQ(RecordAs<Info>(bytes).battery.percent, 0);
@@ -117,7 +117,7 @@ TEST(Record, TellsAnEmptyBatteryFromNone) {
   EXPECT_TRUE(std::isnan(RecordAs<Info>(bytes).battery.temperature_c));
 }
 
-TEST(Record, OfMotionIsReadAsTheFirmwareWritesIt) {
+TEST(Record, MotionIsReadAsTheFirmwareWritesIt) {
   const auto motion = RecordAs<Motion>(testing::kMotionRecord);
   EXPECT_TRUE(motion.orientation.usable);
   EXPECT_THAT(motion.orientation.rotation,
@@ -125,7 +125,7 @@ TEST(Record, OfMotionIsReadAsTheFirmwareWritesIt) {
   EXPECT_THAT(motion.acceleration_mps2, ElementsAre(0, 0, FloatNear(9.80665F, 1.0F / 128)));
 }
 
-TEST(Record, OfMotionAndBatteryIsReadAsTheFirmwareWritesIt) {
+TEST(Record, MotionAndBatteryAreReadAsTheFirmwareWritesThem) {
   const auto record = RecordAs<MotionAndBattery>(testing::kMotionAndBatteryRecord);
   EXPECT_EQ(record.battery.percent, 87);
   EXPECT_NEAR(record.battery.volts, 3.95F, 1e-5F);
@@ -134,7 +134,7 @@ TEST(Record, OfMotionAndBatteryIsReadAsTheFirmwareWritesIt) {
   EXPECT_EQ(record.signal, 60);
 }
 
-TEST(Record, OfStatusRuntimeAndButtonAreReadAsTheFirmwareWritesThem) {
+TEST(Record, StatusRuntimeAndButtonAreReadAsTheFirmwareWritesThem) {
   const auto status = RecordAs<Status>(testing::kStatusRecord);
   EXPECT_EQ(status.server_status, 1);
   EXPECT_EQ(status.raw_status, 7);
@@ -154,18 +154,18 @@ TEST(Record, OfStatusRuntimeAndButtonAreReadAsTheFirmwareWritesThem) {
   EXPECT_LT(Degrees(both.motion.orientation.rotation, {0, 0, 0, 1}), 0.01F);
 }
 
-TEST(Record, OfAnUnknownRuntimeIsMinusOne) {
+TEST(Record, AnUnknownRuntimeIsMinusOne) {
   const Bytes bytes = testing::Hex("05 03 FF FF FF FF FF FF FF FF 00 00 00 00 00 00");
   EXPECT_EQ(RecordAs<Runtime>(bytes).remaining_us, -1);
 }
 
-TEST(Record, OfTheMagnetometerIsReadAsTheFirmwareWritesIt) {
+TEST(Record, TheMagnetometerIsReadAsTheFirmwareWritesIt) {
   const auto record = RecordAs<MotionAndMagnetometer>(testing::kMagnetometerRecord);
   EXPECT_THAT(record.orientation.rotation, ElementsAre(0, 0, 0, 1));
   EXPECT_THAT(record.magnetometer_gauss, ElementsAre(0.5F, 0, -0.5F));
 }
 
-TEST(Record, OfARegistrationHasTheAddressOfTheServersOwnTest) {
+TEST(Record, ARegistrationHasTheAddressOfTheServersOwnTest) {
   const Record record = DecodeOne(testing::kRegistrationRecord);
   EXPECT_EQ(record.tracker, 2);
   const auto* body = std::get_if<Registration>(&record.body);
@@ -173,7 +173,7 @@ TEST(Record, OfARegistrationHasTheAddressOfTheServersOwnTest) {
   EXPECT_EQ(body->address, 0x000102030405U);
 }
 
-TEST(Record, OfARotationOfZerosIsIdentityAndNotUsable) {
+TEST(Record, ARotationOfZerosIsIdentityAndNotUsable) {
   const auto motion = RecordAs<Motion>(testing::Join({testing::Hex("01 03"), Bytes(14)}));
   EXPECT_FALSE(motion.orientation.usable);
   EXPECT_THAT(motion.orientation.rotation, ElementsAre(0, 0, 0, 1));
@@ -231,7 +231,7 @@ TEST(PackedRotation, IsOfUnitLengthWhateverTheBits) {
   }
 }
 
-TEST(PackedRotation, ComesBackWithinAStep) {
+TEST(PackedRotation, APackedRotationIsReadBackWithinAStep) {
   for (int i = 0; i < 5000; ++i) {
     const auto at = [i](int k) { return std::sin(0.37F * static_cast<float>(i * (k + 3) + k)); };
     const Orientation o = MakeOrientation(at(0), at(1), at(2), at(3));

@@ -111,7 +111,7 @@ TEST(TrackerTable, IsCheckedRowByRow) {
               HasSubstr("another tracker"));
 }
 
-TEST(TrackerRig, SaysWhatIsWrongInItsTableAndUsesTheRest) {
+TEST(TrackerRig, ErrorsInTheTableAreReportedAndTheOtherRowsUsed) {
   RigBench bench(Config({{"A848FAC01D42", "hips"}, {"A848FAC01D43", "knee"}}));
   bench.Tick(0);
   ASSERT_EQ(bench.notes.size(), 1U);
@@ -130,7 +130,7 @@ TEST(TrackerRig, NamesEachTrackerOnce) {
                                        HasSubstr("full reset"), HasSubstr("A848FAC01D43/1")));
 }
 
-TEST(TrackerRig, LetsTheTableGoBeforeWhatATrackerSaysOfItself) {
+TEST(TrackerRig, TheTableOverridesATrackersOwnPosition) {
   RigBench bench(Config({{"A848FAC01D42", "head"}, {"A848FAC01D43", "leftFoot"}}));
   EXPECT_EQ(bench.PartOf("A848FAC01D42", 6), body::kHead);
   EXPECT_EQ(bench.PartOf("A848FAC01D44", 6), body::kHips);
@@ -143,7 +143,7 @@ TEST(TrackerRig, LetsTheTableGoBeforeWhatATrackerSaysOfItself) {
 }
 
 // SlimeVR's TrackerPosition.kt, by its names.
-TEST(TrackerRig, KnowsSlimeVrsPositions) {
+TEST(TrackerRig, SlimeVrsPositionsAreKnown) {
   const std::initializer_list<std::pair<int, int>> positions{
       {1, body::kHead},           {2, body::kNeck},          {4, body::kChest},
       {5, body::kSpine},          {6, body::kHips},          {7, body::kLeftUpperLeg},
@@ -234,7 +234,7 @@ TEST(TrackerRig, BeginsASessionWithEveryReset) {
   EXPECT_EQ(bench.bodies.size(), 2U) << "each session has its body";
 }
 
-TEST(TrackerRig, SaysWhatAResetLeft) {
+TEST(TrackerRig, TrackersThatAResetSkippedAreReported) {
   RigBench bench(Config());
   bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
@@ -259,7 +259,7 @@ TEST(TrackerRig, FallsSilentWithItsTrackersAndComesBack) {
   EXPECT_EQ(bench.frames.size(), 32U);
 }
 
-TEST(TrackerRig, ThatWasHeldUpLeavesFramesOutAndSaysHowMany) {
+TEST(TrackerRig, ADelayedRigSkipsFramesAndReportsTheirNumber) {
   RigBench bench(Config());
   bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());

@@ -234,7 +234,7 @@ TEST(SlimeVrTranslator, TakesNumbersInOrderOnly) {
   EXPECT_TRUE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
 }
 
-TEST(SlimeVrTranslator, TellsATrackerSwitchedOnAgainFromOneThatLostTheNetwork) {
+TEST(SlimeVrTranslator, ARestartedTrackerDiffersFromOneThatLostTheNetwork) {
   Bench bench;
   Board board, elsewhere;
   bench.Handle(board, 0, Greeting());
@@ -279,7 +279,7 @@ TEST(SlimeVrTranslator, CountsUnassignedTrackersAndNamesThemOnce) {
   EXPECT_THAT(bench.notes[0], HasSubstr("A848FAC01D01/0"));
 }
 
-TEST(SlimeVrTranslator, KnowsTheOneSensorOfOldFirmwareByItsTable) {
+TEST(SlimeVrTranslator, TheTableNamesTheOnlySensorOfOldFirmware) {
   config::Source config = Bench::Config();
   config.trackers = {{"A848FAC01D01", "chest"}, {"127.0.0.1", "head"}};
   Bench bench(config);
@@ -324,12 +324,12 @@ TEST(SlimeVrTranslator, ResetsWhenATrackersButtonAsksForIt) {
   bench.Tick();
   EXPECT_NE(bench.session, session);
   bench.Handle(board, 6, slimevr::UserAction{slimevr::UserAction::kMountingReset});
-  EXPECT_THAT(bench.notes, Contains(HasSubstr("did not turn as a skier's")));
+  EXPECT_THAT(bench.notes, Contains(HasSubstr("did not turn as in the ski pose")));
   bench.Handle(board, 7, slimevr::UserAction{slimevr::UserAction::kPause});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
 }
 
-TEST(SlimeVrTranslator, SaysOnceThatATrackerReportsAnError) {
+TEST(SlimeVrTranslator, ATrackersErrorIsReportedOnce) {
   Bench bench;
   Board board;
   bench.Handle(board, 0, Greeting());
@@ -372,7 +372,7 @@ void Pass(Bench& bench, std::int64_t ms, const std::vector<Worn*>& worn) {
   }
 }
 
-TEST(SlimeVrTakeover, WhoKnowsTheMacOfALiveTrackerIsRefusedUntilThatIsSilent) {
+TEST(SlimeVrTakeover, AnImpostorWithALiveTrackersMacIsRefusedUntilThatIsSilent) {
   Bench bench;
   Worn tracker;
   Board thief;

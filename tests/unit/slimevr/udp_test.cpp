@@ -285,7 +285,7 @@ TEST(UdpAnswer, IsWrittenAsTheServerWritesIt) {
   EXPECT_EQ(EncodeOne(SetConfig{255, 1, 1}), Join({Header("19", "00"), Hex("FF 00 01 01")}));
 }
 
-TEST(UdpAnswer, ComesBackAsItWasSent) {
+TEST(UdpAnswer, EncodedValuesAreDecodedUnchanged) {
   EXPECT_EQ(AnswerAs<Ping>(EncodeOne(Ping{77})).id, 77U);
   EXPECT_EQ(AnswerAs<FeatureFlags>(EncodeOne(FeatureFlags{3})).bits, 3U);
   EXPECT_EQ(AnswerAs<SensorInfoAck>(EncodeOne(SensorInfoAck{2, 1})).sensor, 2);
@@ -293,7 +293,7 @@ TEST(UdpAnswer, ComesBackAsItWasSent) {
   AnswerAs<Heartbeat>(EncodeOne(Heartbeat{}));
 }
 
-TEST(UdpAnswer, ThatIsNoneIsRefusedAndLeavesTheLastAlone) {
+TEST(UdpAnswer, AnInvalidAnswerIsRefusedAndLeavesTheLastAlone) {
   Answer answer = Ping{5};
   EXPECT_EQ(DecodeAnswer({}, answer), UdpResult::kTooShort);
   EXPECT_EQ(DecodeAnswer(Hex("03 48 65 79"), answer), UdpResult::kTooShort);

@@ -151,7 +151,7 @@ TEST_F(GuardTest, ABadStepSpoilsNoLaterOneAndTheStyleIsFadedInAgain) {
 }
 
 // The result is the same together with others and alone.
-TEST_F(GuardTest, WhoFailsDisturbsNobodyInTheSameCall) {
+TEST_F(GuardTest, AFailingStylistDisturbsNoOtherInTheSameCall) {
   erd::WeightsFile file = erd::SleepingWeights(5, 1);
   const auto network = erd::StylizerOf(file);
   Stylist alone(network, binding, {}), beside(network, binding, {}), high(network, binding, {});

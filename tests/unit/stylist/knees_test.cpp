@@ -26,7 +26,7 @@ float Kept_rad(float own, float wanted) {
   return turn.x();
 }
 
-TEST(Knees, AsThePerformersStaySo) {
+TEST(Knees, KneesBentLikeThePerformersStayUnchanged) {
   for (const float bend : {-0.3F, -0.05F, 0.0F, 0.02F, 0.4F, 2.2F}) {
     Pose in, styled;
     in.rotations[kKnee] = Bent(bend, 0.2F);
@@ -44,7 +44,7 @@ TEST(Knees, DoNotBendBackwards) {
   }
 }
 
-TEST(Knees, ThatThePerformerBendsBackwardsDoSoNoFurther) {
+TEST(Knees, KneesBentBackwardsByThePerformerBendNoFurther) {
   EXPECT_GT(Kept_rad(-0.2F, -0.6F), -0.4F);
   EXPECT_LT(Kept_rad(-0.2F, -0.6F), -0.2F);
 }

@@ -167,7 +167,7 @@ TEST_F(LimbGateTest, AnErrorThatIsNotANumberIsAnUnknownLimbAndIsForgotten) {
 }
 
 // Of another rig, whose errors never fall low.
-TEST_F(LimbGateTest, WhatIsUsualForAPerformerDoesNotCountForLong) {
+TEST_F(LimbGateTest, APerformersUsualErrorsDoNotCountForLong) {
   const float usual_m = 0.5F * (kArms.begin_m + kArms.end_m);
   Feed(Only(Limb::kLeftArm, usual_m), 3);
   EXPECT_LT(left_arm(), 0.6F);

@@ -117,7 +117,7 @@ TEST_F(NeutralOfAStylist, TheNetworkSeesAStrangerAsItsOwnPerformer) {
   EXPECT_GT(stylist.neutral().learned(), 0.8F);
 }
 
-TEST_F(NeutralOfAStylist, WhatIsPublishedIsTheirOwnPoseTurnedByTheStyle) {
+TEST_F(NeutralOfAStylist, ThePublishedPoseIsTheirOwnTurnedByTheStyle) {
   Stylist stylist = Make();
   Walk(stylist, 0, 5);
   for (std::size_t j = 0; j < body::kJointCount; ++j) {

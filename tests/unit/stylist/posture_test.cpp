@@ -106,7 +106,7 @@ struct PostureTest : testing::Test {
   }
 };
 
-TEST_F(PostureTest, WhatTheNetworkDoesNotShowIsKept) {
+TEST_F(PostureTest, APostureThatTheNetworkLacksIsKept) {
   Perform(Standing(), 0.5);
   Show(1);
   EXPECT_LT(Perform(Standing(), 3), kStoop_rad * 1.01F);
@@ -130,7 +130,7 @@ TEST_F(PostureTest, TheArmsKeepTheirDirectionInTheWorld) {
   EXPECT_GT(before.rotations[body::kHead].angularDistance(after.rotations[body::kHead]), 0.25F);
 }
 
-TEST_F(PostureTest, WhatTheNetworkShowsIsNotAddedAgain) {
+TEST_F(PostureTest, APostureThatTheNetworkShowsIsNotAddedAgain) {
   Perform(Standing(), 0.5);
   Show(2);
   EXPECT_LT(Perform(Standing(), 4), kStoop_rad * 1.25F) << "nor while it sets in";
@@ -160,7 +160,7 @@ TEST_F(PostureTest, ItSetsInAndEndsWithoutAJump) {
   EXPECT_EQ(Turn(body::kSpine).norm(), 0);
 }
 
-TEST_F(PostureTest, WhoLiesCrouchesOrHangsKeepsTheirOwn) {
+TEST_F(PostureTest, APerformerWhoLiesCrouchesOrHangsKeepsTheirPosture) {
   Pose lies = Standing();
   lies.rotations[body::kHips] = body::Exp(Vec3(-1.5F, 0, 0));
   lies.hips_position_m.y() = 0.1F;

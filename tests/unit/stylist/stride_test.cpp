@@ -128,7 +128,7 @@ TEST(LogCadenceTest, IsOfTheMixWhateverTheRoot) {
   }
 }
 
-TEST(LogCadenceTest, WhatWasNotMeasuredCountsAsNothing) {
+TEST(LogCadenceTest, AnUnmeasuredCadenceCountsAsZero) {
   net::Styles walks = kStyles;
   walks[kOld].run_spm = 0;
   net::Styles bare = kStyles;

@@ -524,7 +524,7 @@ TEST_F(StylistTest, AForeignPoseFadesTheStyleOutAndIsFlagged) {
   EXPECT_LT(Apart_rad(out.canonical, out.canonical_input), 0.01F);
 }
 
-TEST_F(StylistTest, WhoLiesDownIsLeftAsHeIsAndStyledAgainWhenHeIsUp) {
+TEST_F(StylistTest, ALyingPerformerIsNotStyledUntilTheyStandUp) {
   options.out_of_domain_begin_rad = 100;  // a random network knows no pose at all
   options.out_of_domain_end_rad = 101;
   Stylist stylist(network, binding, options);

@@ -34,7 +34,7 @@ TEST(IsUnseen, OneLimbThatMovesIsToBeSeen) {
   }
 }
 
-TEST(RequestsVisibleStyle, OfTheStylesButNeutralOnTheWholeBody) {
+TEST(RequestsVisibleStyle, StylesExceptNeutralCountOnTheWholeBody) {
   Settings settings;
   EXPECT_FALSE(RequestsVisibleStyle(settings)) << "of none";
   settings.mix[0] = {1, 0.5F};

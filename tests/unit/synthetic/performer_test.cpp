@@ -185,7 +185,7 @@ TEST(Performer, NeverBendsAKneeBackwards) {
   }
 }
 
-TEST(Performer, GoesWhereTheScriptSays) {
+TEST(Performer, ThePerformerFollowsTheScript) {
   // A Vec3 by name: Eigen's difference would refer to a recording that is gone.
   const auto walked = [](std::string_view script) -> body::Vec3 {
     const Recording r = Record(Scripted(script), 10);

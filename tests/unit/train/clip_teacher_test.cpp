@@ -151,7 +151,7 @@ TEST_F(AClipTeacher, AMirroredWindowHasTheMirroredChange) {
 }
 
 // Halfway between two frames, and no further than the clip's end.
-TEST_F(AClipTeacher, WhatIsTaughtMayBeAheadOfTheInput) {
+TEST_F(AClipTeacher, ATeachersTargetMayBeAheadOfTheInput) {
   const Result<ClipTeacher> teacher = Make();
   ASSERT_TRUE(teacher.ok());
   const ClipTeacher::Roles roles{.input = {0}, .target = {2}};

@@ -39,7 +39,7 @@ TEST(Curve, HasAxesWithMinutesAndTheRangeOfTheValues) {
   EXPECT_THAT(svg, HasSubstr("minutes; 40.0 of them, 40 iterations"));
 }
 
-TEST(Curve, OfASingleRowIsDrawn) {
+TEST(Curve, ASingleRowIsDrawn) {
   EXPECT_THAT(Draw("iteration,elapsed_s,score\n0,0,1\n"), Not(HasSubstr("nan")));
 }
 

@@ -55,7 +55,7 @@ TEST(RemovePersons, EachByThemselvesAndInEveryClip) {
   }
 }
 
-TEST(RemovePersons, SaysWhoNeverStandsOrWalks) {
+TEST(RemovePersons, PersonsWhoNeverStandOrWalkAreReported) {
   std::vector<TrainingClip> clips = Own();
   auto lying = Clip("c", 0, Walk(0, 0, 0));
   for (body::Pose& pose : lying.poses) {

@@ -406,7 +406,7 @@ TEST_F(Taught, AContentIsKeptAsItIs) {
   EXPECT_LT(LogOf("kept", "change_rad").back(), 0.75 * LogOf("taught", "change_rad").back());
 }
 
-TEST_F(Taught, WhoIdlesIsTaughtTheMeanAndARunGoesOnBitForBit) {
+TEST_F(Taught, AnIdlePerformerLearnsTheMeanAndARunContinuesBitForBit) {
   RunFlags config = Student("plain", {strong_});
   config.init = weak_;
   config.idle = 0.4;

@@ -104,7 +104,7 @@ TEST(Sampler, AMiscalibrationLastsAsLongAsItsClip) {
   EXPECT_NEAR(wrong, 800, 120);
 }
 
-TEST(Sampler, WhoIdlesHoldsAFrameInWhichANeutralOneStandsForSeconds) {
+TEST(Sampler, AnIdleWindowHoldsAFrameOfANeutralStanceOfSeconds) {
   std::vector<TrainingClip> clips = Clips();
   clips.push_back(clips[0]);
   for (int frame : {40, 45}) clips.back().poses[frame] = HandsDown();

@@ -209,7 +209,7 @@ TEST_F(TrainerTest, ExportIsThatOfTheCheckpointsFamily) {
               testing::HasSubstr("checkpoint.pt: not a checkpoint"));
 }
 
-TEST_F(TrainerTest, WhatEndsARunKeepsTheLastCheckpoint) {
+TEST_F(TrainerTest, AnEndedRunKeepsTheLastCheckpoint) {
   FakeRecipe refused;
   refused.start = Status::Error("no start");
   EXPECT_EQ(Train(run_, refused).message(), "no start");

@@ -110,12 +110,12 @@ struct PublishedStyle : testing::Test {
   std::shared_ptr<const net::Stylizer> network;
 };
 
-TEST_F(PublishedStyle, OfTheTrainingsPerformersIsWhatTheNetworkShows) {
+TEST_F(PublishedStyle, TrainedPerformersStyleIsThatOfTheNetwork) {
   ExpectLeft("samples/dataset-2_walk_normal_001.bvh", {0.9F, 0.9F, 0.9F, 0.8F, 0.8F},
              {0.9F, 0.9F, 0.9F, 0.7F, 0.7F});
 }
 
-TEST_F(PublishedStyle, OfAStrangerIsNearlyWhatTheNetworkShows) {
+TEST_F(PublishedStyle, AStrangersStyleIsNearlyThatOfTheNetwork) {
   ExpectLeft("xia/neutral_01_000.bvh", {0.9F, 0.9F, 0.9F, 0.55F, 0.55F},
              {0.9F, 0.9F, 0.9F, 0.7F, 0.7F});
 }

@@ -15,7 +15,7 @@ std::string Refusal(const std::string& source) {
   return Load(file, {}).status().message();
 }
 
-TEST(UsbConfigTest, WhatIsNoUsbIdIsRefused) {
+TEST(UsbConfigTest, AnInvalidUsbIdIsRefused) {
   for (const char* text : {"", "1209", "1209:769", "1209-7690", "1209:76901", "12g9:7690",
                            "1209:769x", "+209:7690", "-209:7690", " 209:7690", "0x12:7690"}) {
     EXPECT_FALSE(ParseUsbId(text).ok()) << text;

@@ -35,7 +35,7 @@ class RecordsTest : public testing::Test {
   std::int64_t now_ns_ = 0;
 };
 
-TEST_F(RecordsTest, WhatIsNoRecordIsCountedAndTheNextTransferBeginsAnew) {
+TEST_F(RecordsTest, AnInvalidRecordIsCountedAndTheNextTransferRestarts) {
   support::Rig rig("a");
   Bytes transfer(100, std::byte{0});
   Decode(transfer);
@@ -125,7 +125,7 @@ TEST_F(RecordsTest, DevicesDoNotMixAndWhatOneBeganBeforeItWasUnpluggedIsForgotte
   EXPECT_EQ(Count(Counter::kUsbBadReports), 0U);
 }
 
-TEST_F(RecordsTest, OfMoreThan16DevicesTheLongestSilentIsForgotten) {
+TEST_F(RecordsTest, TheLongestSilentOfMoreThan16DevicesIsForgotten) {
   support::Rig rig("a");
   const Bytes record = rig.Frame();
   for (std::uint32_t device = 1; device <= 17; ++device) {

@@ -36,7 +36,7 @@ TEST(ReportsTest, NothingIsPoppedWhereNothingWasPushed) {
   EXPECT_FALSE(Readable(reports.fd()));
 }
 
-TEST(ReportsTest, WhatFindsTheRingFullIsDroppedAndCountedAndTheRestComesInOrder) {
+TEST(ReportsTest, ReportsBeyondAFullRingAreCountedAndTheOthersStayInOrder) {
   FakeClock clock;
   runtime::Counters counters;
   Reports reports(clock, counters, 1024);

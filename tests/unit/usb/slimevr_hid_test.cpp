@@ -123,7 +123,7 @@ TEST_F(SlimeVrHidTest, AfterAFullResetPosesComeAtTheRateOfTheSource) {
   }
 }
 
-TEST_F(SlimeVrHidTest, AsksForNoMemoryOnceTheFirstPosesWereSent) {
+TEST_F(SlimeVrHidTest, NoMemoryIsAllocatedAfterTheFirstPoses) {
   Wear(100 * kMs);
   ASSERT_TRUE(out.translator().Calibrate(Calibration::kFull, out.now_ns).ok());
   Wear(100 * kMs);

@@ -204,7 +204,7 @@ TEST(Assembler, GivesAFrameWithItsLastDatagramFromTheSecondOn) {
 }
 
 // A daemon that was late reads all at once: no silence tells anything.
-TEST(Assembler, TellsFramesApartThatArriveAtOneTime) {
+TEST(Assembler, FramesThatArriveAtOneTimeAreSeparate) {
   for (const Habit& habit : kHabits) {
     if (habit.send == SinglesOkFirst) continue;  // OK alone does not begin a frame
     Feed feed;
@@ -589,7 +589,7 @@ TEST(Assembler, PassesThruMessagesOnByteForByte) {
   EXPECT_EQ(feed.assembler->counts().left_out, 2U);
 }
 
-TEST(Assembler, TellsOfOkAsItCame) {
+TEST(Assembler, OkIsReportedAsReceived) {
   Feed feed;
   feed(
       Bundle({BoneMessage("Hips"), testing::S("/VMC/Ext/OK") + testing::S(",iiii") + testing::I(1) +

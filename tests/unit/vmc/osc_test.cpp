@@ -133,7 +133,7 @@ TEST(OscWriter, EndsATextAtItsFirstNul) {
   EXPECT_EQ(out, S("/a") + S(",s") + S("ab"));
 }
 
-TEST(OscWriter, SaysWhenItDoesNotFitAndWritesNothingBeyond) {
+TEST(OscWriter, AnOverflowIsReportedAndNothingWrittenBeyond) {
   const auto write = [](Writer& writer) {
     writer.BeginBundle();
     writer.BeginMessage("/VMC", "sf");

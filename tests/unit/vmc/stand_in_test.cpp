@@ -31,7 +31,7 @@ Datagrams Sent(const std::vector<std::string>& quirks, const body::Pose& pose = 
   return datagrams;
 }
 
-TEST(VmcStandIn, KnowsItsQuirksAndSendsForOne) {
+TEST(VmcStandIn, AnUnknownQuirkOrASecondPerformerIsRefused) {
   Options unknown, two;
   unknown.quirks = {"t-last"};
   two.performers = {"a", "b"};

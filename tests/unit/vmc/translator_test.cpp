@@ -111,7 +111,7 @@ auto Near(const std::vector<float>& values) {
 
 // A sender of hands alone has no hips, and gives the hand's rotation in the room; its bones may be
 // anywhere.
-TEST(VmcTranslator, OfASourceOfFingersHandsAreEnough) {
+TEST(VmcTranslator, HandsAreEnoughForASourceOfFingers) {
   config::Source config = Config("gloves");
   config.merge_into = "stage.anna";
   config.parts = {"fingers"};
@@ -143,7 +143,7 @@ TEST(VmcTranslator, OfASourceOfFingersHandsAreEnough) {
   EXPECT_EQ(frames.back().expressions_size(), 0) << "the face is not merged";
 }
 
-TEST(VmcTranslator, OfASourceOfFaceAndFingersBothComeByThemselves) {
+TEST(VmcTranslator, FaceAndFingersOfASourceArriveIndependently) {
   config::Source config = Config("gloves");
   config.merge_into = "stage.anna";
   config.parts = {"face", "fingers"};
@@ -351,7 +351,7 @@ TEST(VmcTranslator, ABoneThatDoesNotComeIsNotTracked) {
   EXPECT_EQ(translation.Count(Counter::kSourceIncomplete), 1U);
 }
 
-TEST(VmcTranslator, WhatIsGoneForHalfASecondLeavesTheBodyUnlessTheSkeletonNeedsIt) {
+TEST(VmcTranslator, BonesGoneForHalfASecondLeaveTheBodyUnlessNeeded) {
   Translated translation(MakeVmc(Config()));
   Avatar avatar;
   (void)avatar["Jaw"];

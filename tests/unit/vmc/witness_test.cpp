@@ -105,7 +105,7 @@ const std::vector<std::string> kSample{"/VMC/Ext/OK ,iii 1 3 0",
                                        "/VMC/Ext/Blend/Apply ,", "/VMC/Ext/T ,f" + Hex(9)};
 
 // A bundle within a bundle.
-TEST(Witnesses, OfOscpackWriteWhatWeRead) {
+TEST(Witnesses, OscpacksBytesAreReadByUs) {
   std::array<char, 1024> buffer;
   ::osc::OutboundPacketStream stream(buffer.data(), buffer.size());
   stream << ::osc::BeginBundleImmediate << ::osc::BeginMessage("/VMC/Ext/OK") << 1 << 3 << 0
@@ -119,7 +119,7 @@ TEST(Witnesses, OfOscpackWriteWhatWeRead) {
   EXPECT_EQ(ours.messages, kSample);
 }
 
-TEST(Witnesses, OfLibloWriteWhatWeRead) {
+TEST(Witnesses, LiblosBytesAreReadByUs) {
   const auto message = [](auto fill) {
     lo_message made = lo_message_new();
     fill(made);
@@ -148,7 +148,7 @@ TEST(Witnesses, OfLibloWriteWhatWeRead) {
 }
 
 // Every type, byte for byte: liblo turns what it reads into a message of its own.
-TEST(Witnesses, OfLibloReadASingleMessageWithEveryType) {
+TEST(Witnesses, LibloReadsOurMessageOfEveryType) {
   Bytes bytes;
   for (const auto& c : testing::OscCases()) {
     if (c.name == "all types") bytes = c.bytes;

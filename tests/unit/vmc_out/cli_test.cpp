@@ -51,7 +51,7 @@ TEST(StylevmcCli, FailsWhereAHostOrAnEndpointCannotBe) {
   EXPECT_THAT(endpoint.err, HasSubstr("cannot connect to nonsense"));
 }
 
-TEST(StylevmcCli, SaysThatNoDaemonAnswers) {
+TEST(StylevmcCli, AMissingDaemonIsReported) {
   const Outcome outcome =
       RunWith({"--to", "127.0.0.1:39539", "--publish", "ipc:///tmp/styled-nobody", "--seconds",
                "0.2", "--statistics", "0.1"});

@@ -137,7 +137,7 @@ TEST_F(ForwarderTest, CountsFramesWithoutABodyAndGoesOnWhenItComes) {
   EXPECT_EQ(NextHips(ear), -2);
 }
 
-TEST_F(ForwarderTest, SaysWhichBodyItCannotShow) {
+TEST_F(ForwarderTest, AnUnusableBodyIsNamed) {
   const Ear ear;
   auto forwarder = Open({}, {"rig.anna=" + ear.address()});
   Await(*forwarder, "rig.anna");

@@ -87,7 +87,7 @@ TEST(Timeline, IsTheSourcesClockFromTheFirstFrameOn) {
   EXPECT_FLOAT_EQ(timeline.Seconds(77'508'000'000, 400'000'000), 0.508F);
 }
 
-TEST(Timeline, GoesOnOverARestartAndAJump) {
+TEST(Timeline, TheTimelineContinuesOverARestartAndAJump) {
   Timeline timeline;
   timeline.Seconds(77'000'000'000, 0);
   EXPECT_FLOAT_EQ(timeline.Seconds(1'000'000, 2 * kSecond_ns), 2);

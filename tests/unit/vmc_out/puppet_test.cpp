@@ -141,7 +141,7 @@ TEST(Puppet, CarriesByTheRootOverTheFloorOnly) {
   EXPECT_THAT(root.Pose(frame, 0).bones[0].transform.position, ElementsAre(0, 0.9F, 0));
 }
 
-TEST(Puppet, SaysThatTrackingIsLostOnAStaleFrameAlone) {
+TEST(Puppet, OnlyAStaleFrameReportsLostTracking) {
   Puppet puppet(Carrier::kHips);
   ASSERT_TRUE(puppet.Bind(Canonical()).ok());
   auto frame = client::HumanoidFrame(Canonical(), {}, 1);

@@ -34,7 +34,7 @@ TEST(ParseTarget, RefusesEachBadOneWithWhatWasExpected) {
   }
 }
 
-TEST(Target, SaysWhichHostCannotBeFound) {
+TEST(Target, AnUnknownHostIsNamed) {
   const auto target = Target::Open(ParseTarget("no-such-host.invalid:39539").value());
   ASSERT_FALSE(target.ok());
   EXPECT_THAT(target.status().message(), HasSubstr("--to no-such-host.invalid:39539: "));

@@ -295,7 +295,7 @@ TEST(VmcDevices, WithoutAnyNumberAreMalformed) {
   EXPECT_TRUE(out.items.empty());
 }
 
-TEST(VmcDevices, OfASenderThatSendsBonesAreItsOwnAffair) {
+TEST(VmcDevices, DevicesOfASenderOfBonesAreNotSensors) {
   support::Translated out(MakeVmc(Config("vmc")));
   const auto device = DeviceMessage("Hmd", "hmd", {0, 1.5F, 0});
   for (int i = 0; i < 100; ++i) {
@@ -307,7 +307,7 @@ TEST(VmcDevices, OfASenderThatSendsBonesAreItsOwnAffair) {
   EXPECT_FALSE(out.translator().has_sensors());
 }
 
-TEST(VmcDevices, OfASecondAssistantAreRefused) {
+TEST(VmcDevices, ASecondAssistantsDevicesAreRefused) {
   Stage stage = Vmc({});
   stage.Play({}, 80);
   stage.out.Handle(DeviceMessage("Tra", "x", {0, 1.5F, 0}), 2);

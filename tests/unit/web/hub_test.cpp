@@ -160,7 +160,7 @@ TEST_F(HubTest, TheDaemonIsUpWhileItsStatisticsCome) {
   EXPECT_FALSE(a.up());
 }
 
-TEST_F(HubTest, WhatTheDaemonWouldNotPublishIsCountedAndDropped) {
+TEST_F(HubTest, AnInvalidMessageIsCountedAndDropped) {
   hub.Join(a);
   hub.Subscribe(a, "body/");
   for (const char* topic : {"body/", "", "styled/x/", "stats/x"}) Publish(topic, "payload");

@@ -7,7 +7,7 @@
 namespace styled::web {
 namespace {
 
-TEST(TopicsTest, KnowsWhatTheDaemonPublishesAndNothingElse) {
+TEST(TopicsTest, OnlyTheDaemonsTopicsAreKnown) {
   EXPECT_EQ(ParseTopic("styled/rig.a/rig/"), TopicKind::kStyled);
   EXPECT_EQ(ParseTopic("styled/rig.a/canonical/"), TopicKind::kStyled);
   EXPECT_EQ(ParseTopic("source/rig.a/"), TopicKind::kSource);

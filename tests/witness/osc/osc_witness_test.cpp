@@ -203,7 +203,7 @@ void ExpectThePoses(const Sent& sent,
   std::cout << worst_deg << " deg, " << 1000 * worst_m << " mm at most\n";
 }
 
-TEST(OscSenderTest, WhatOscMinWritesHasTheSamePoses) {
+TEST(OscSenderTest, OscMinsBytesHaveTheSamePoses) {
   if (!HasOscMin()) GTEST_SKIP() << "skipped, no osc-min (npm)";
   const Sent sent = Play({"t-first"});
   TemporaryFolder folder;
@@ -217,7 +217,7 @@ TEST(OscSenderTest, WhatOscMinWritesHasTheSamePoses) {
 }
 
 // oscdump's text of what stylesim sends, played by its sister: six decimals are left of a float.
-TEST(OscSenderTest, WhatOscsendfileWritesHasTheSamePoses) {
+TEST(OscSenderTest, OscsendfilesBytesHaveTheSamePoses) {
   if (!IsHere("oscdump") || !IsHere("oscsendfile")) {
     GTEST_SKIP() << "skipped, no oscdump and oscsendfile (Debian: liblo-tools)";
   }

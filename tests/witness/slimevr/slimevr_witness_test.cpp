@@ -101,7 +101,7 @@ class PacketsTest : public testing::Test {
   slimevr::Datagram datagram_;
 };
 
-TEST_F(PacketsTest, WhatTheyWriteIsReadWithEveryValueAndOurAnswersByThem) {
+TEST_F(PacketsTest, TheirPacketsAreReadWithEveryValueAndOurAnswersByThem) {
   lines_ = RunTrackers("packets " + Encoded(slimevr::Greeting{}) + " " +
                            Encoded(slimevr::Heartbeat{}) + " " + Encoded(slimevr::Ping{77}) + " " +
                            Encoded(slimevr::FeatureFlags{slimevr::kBundles}),

@@ -46,7 +46,7 @@ class Offset : public testing::Test {
   body::Pose pose_ = random_.AnyPose();
 };
 
-TEST_F(Offset, WhatIsWrittenIsReadAsItsFamily) {
+TEST_F(Offset, AWrittenFileIsReadAsItsFamily) {
   const auto loaded = LoadOf(TestOffsets());
   ASSERT_TRUE(loaded.ok()) << loaded.status().message();
   const net::Model& model = loaded.value()->model();

@@ -110,7 +110,7 @@ TEST_F(Space, ADifferenceIsNeutralPlusWhatTheTwoDifferBy) {
   }
 }
 
-TEST_F(Space, WhatIsFarOutIsLimited) {
+TEST_F(Space, AFarCodeIsLimited) {
   StyleCode code = space.MakeCode({.sources = {{.style = 1}}});
   code.resize(network->points().full_size(), 1e30F);
   const StyleCode limited = space.Limited(code);

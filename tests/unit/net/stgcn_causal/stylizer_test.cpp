@@ -103,7 +103,7 @@ TEST_F(CausalStylizer, PosesGoThroughTheFeaturesAndComeBackAsLocalRotations) {
 }
 
 // A style that fades in begins at the reconstruction, and its own pose is weighted with it.
-TEST_F(CausalStylizer, WhatIsMeasuredFromTheInputFadesWithTheStyle) {
+TEST_F(CausalStylizer, StatisticsOfTheInputFadeWithTheStyle) {
   const std::vector<body::Pose> poses = Walk(30);
   const auto weak = stylizer->MakeStream(), none = stylizer->MakeStream();
   float off = 0;

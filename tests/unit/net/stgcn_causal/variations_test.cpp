@@ -73,7 +73,7 @@ class VariationsTest : public testing::Test {
   std::shared_ptr<const Network> network = CausalNetwork(RandomWeights(kDomains, 16, 1));
 };
 
-TEST_F(VariationsTest, WhatIsNoVariationIsIgnored) {
+TEST_F(VariationsTest, AnInvalidVariationIsIgnored) {
   const Walked plain = Walk(*network, {{2, 1}}, {});
   for (const VariationWeight bad :
        {VariationWeight{0, 1}, VariationWeight{100, 1}, VariationWeight{7, kNaN},

@@ -246,7 +246,7 @@ TEST_F(StGcnRun, TheGeneratorOfAFileIsTheOneThatWasWritten) {
   EXPECT_THAT(ReadGenerator(set_.root() / "none").status().message(), testing::HasSubstr("none"));
 }
 
-TEST_F(StGcnRun, AsInThePaperIsARunOfItsOwnSettingsAndExportsTheSameFormat) {
+TEST_F(StGcnRun, ThePapersRunHasItsOwnSettingsAndExportsTheSameFormat) {
   RunFlags flags = Flags("paper");
   AsInThePaper(flags);
   EXPECT_EQ(flags.width, 64);

@@ -175,7 +175,7 @@ TEST(SamplerTest, AShareOfTheSourcesIsNeutral) {
   }
 }
 
-TEST(SamplerTest, GoesOnWhereItWasSaved) {
+TEST(SamplerTest, ARestoredSamplerContinues) {
   const Data data;
   const Sampler::Options options{.domains = 2, .contents = 3, .seed = 9};
   Sampler first(*data.store, options), second(*data.store, options);
@@ -196,7 +196,7 @@ TEST(SamplerTest, NoticesADomainWithoutWindows) {
 }
 
 // Positions that follow from the rotations are those of the body's own kinematics.
-TEST(KinematicsTest, WhatIsPublishedOfRealMotionIsThatMotion) {
+TEST(KinematicsTest, RealMotionIsPublishedUnchanged) {
   const Data data;
   const Kinematics kinematics(data.statistics, torch::kCPU);
   const Tensor window = data.store->Read({{0, 8, false}, {6, 16, true}});

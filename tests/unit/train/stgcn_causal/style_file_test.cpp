@@ -51,7 +51,7 @@ TEST_F(StyleFileTest, BrokenFilesAreRefused) {
   EXPECT_THAT(Refusal("{" + std::string(300000, ' ') + "}"), HasSubstr("larger than the limit"));
 }
 
-TEST_F(StyleFileTest, WhatItDoesNotKnowIsKept) {
+TEST_F(StyleFileTest, UnknownKeysAreKept) {
   std::ofstream(folder_ / "pirate.json")
       << R"({"format": "styled style 1", "name": "pirate", "weights": "crc32c:1", "code": [1, 2],
             "licence": "mine", "source": "p.bvh"})";
