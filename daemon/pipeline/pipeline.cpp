@@ -211,7 +211,7 @@ void Pipeline::OnNote(int source, const std::string& text) {
       performance_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
-void Pipeline::OnNews(int source, const std::string& text) {
+void Pipeline::OnNotice(int source, const std::string& text) {
   performance_.events.Log(
       Event::Level::kInfo,
       performance_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);

@@ -310,14 +310,14 @@ TEST_F(HostilePairTest, AStandbyOfOtherSettingsSaysWhichAndLeadsAllTheSame) {
   const v1::StandbyState state = State(*other);
   EXPECT_FALSE(state.ready());
   EXPECT_THAT(state.why_not(), HasSubstr("model.feet: false here, true there"));
-  EXPECT_THAT(Status(*other), HasSubstr("not ready: it is set up otherwise than the leader"));
+  EXPECT_THAT(Status(*other), HasSubstr("not ready: its configuration differs from the leader"));
   EXPECT_TRUE(Becomes(*one, [](const auto& leader) { return leader.differs_size() == 2; }));
   EXPECT_THAT(Status(*one), HasSubstr("differs: model.feet: true here, false there"));
   one->child->Signal(SIGKILL);
   one->child->Wait(5);
   ASSERT_TRUE(Leads(*other));
   const auto says = [&other] {
-    return other->Log().find("leads, although it was not ready: it is set up otherwise") !=
+    return other->Log().find("leads, although it was not ready: its configuration differs") !=
            std::string::npos;
   };
   for (int i = 0; i < 500 && !says(); ++i) Sleep(0.01);

@@ -236,7 +236,7 @@ TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
     for (int i = 0; i < 500 && viewer.size() < before + 60; ++i) Sleep(0.01);
     EXPECT_GE(viewer.size(), before + 60) << standby.Log();
     std::printf("kill %d: %.0f ms without a frame\n", round + 1, viewer.TakeLongest_ms());
-    EXPECT_THAT(standby.Log(), HasSubstr("leads from here on"));
+    EXPECT_THAT(standby.Log(), HasSubstr("leads from now on"));
     leader.Start();
   }
   EXPECT_EQ(viewer.epochs(), 0);

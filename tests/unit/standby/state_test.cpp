@@ -423,7 +423,7 @@ TEST_F(StateTest, AStandbyWhoseFeetDifferIsNotReadyAndBothSayWhy) {
   EXPECT_EQ(b_->publisher.frames.back().epoch(), 5U);
   const auto lines = b_->Lines();
   EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
-    return line.find("leads, although it was not ready: it is set up otherwise") !=
+    return line.find("leads, although it was not ready: its configuration differs") !=
            std::string::npos;
   })) << testing::PrintToString(lines);
 }
@@ -465,7 +465,8 @@ TEST_F(StateTest, PosesThatAreApartMakeItUnready) {
   const v1::StandbyState state = b_->State();
   EXPECT_GT(state.apart(), 20U);
   EXPECT_FALSE(state.ready());
-  EXPECT_NE(state.why_not().find("poses came out otherwise"), std::string::npos) << state.why_not();
+  EXPECT_NE(state.why_not().find("poses differ from the leader"), std::string::npos)
+      << state.why_not();
 }
 
 // As on a processor of another make.
