@@ -17,12 +17,12 @@ namespace styled::pipeline {
 namespace {
 
 constexpr std::uint32_t kCheckpointVersion = 3;  // 2: without posture; 1: without neutral
-constexpr std::size_t kQuoted = 80;              // bytes of a name that a reason quotes
-// Far beyond any show: at 120 Hz it is reached after a thousand million years. Above it, counting
-// on would wrap around, and subscribers would drop every frame as an old one.
+constexpr std::size_t kQuoted = 80;              // shown bytes of a name, in a reason
+// Beyond any real number: at 120 Hz it is reached after a thousand million years. A larger number
+// could wrap around, and subscribers would drop every frame as an old one.
 constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 62U;
 
-// Ends the state, so that a damaged file is not taken for a motion.
+// Appended to the state, so that a damaged file is detected.
 std::array<std::byte, 4> Checksum(std::span<const std::byte> state) {
   return std::bit_cast<std::array<std::byte, 4>>(Crc32c(state));
 }
@@ -64,14 +64,15 @@ v1::Checkpoint StateOf(Performer& performer, const RuntimeConfig& config, std::i
   return checkpoint;
 }
 
-// What the state was made with must be here, too. Returns what differs, or "".
+// Compares the checkpoint's version, weights, styles and outputs with this daemon's. Returns the
+// first difference, or "".
 std::string WhatDiffers(const v1::Checkpoint& checkpoint, const RuntimeConfig& config) {
   if (checkpoint.version() != kCheckpointVersion) {
     return "version " + std::to_string(checkpoint.version()) + ", expected " +
            std::to_string(kCheckpointVersion);
   }
   if (checkpoint.weights_crc() != config.weights_crc) {
-    return "it is of the weights " + Printable(checkpoint.weights(), kQuoted) +
+    return "it was made with the weights " + Printable(checkpoint.weights(), kQuoted) +
            ", expected the contents of " + config.weights_name;
   }
   const auto& styles = config.network->model().styles;
@@ -79,19 +80,19 @@ std::string WhatDiffers(const v1::Checkpoint& checkpoint, const RuntimeConfig& c
       styles.begin(), styles.end(), checkpoint.styles().begin(), checkpoint.styles().end(),
       [](const net::StyleInfo& here, const std::string& there) { return here.name == there; });
   if (!same_styles) {
-    return "it is of " + std::to_string(checkpoint.styles_size()) + " styles, expected the " +
+    return "it has " + std::to_string(checkpoint.styles_size()) + " styles, expected the " +
            std::to_string(styles.size()) +
-           " that are here, by the same names: import those that were made";
+           " of this daemon, by the same names: import the made styles";
   }
   const bool same_outputs =
       std::equal(config.outputs.begin(), config.outputs.end(), checkpoint.outputs().begin(),
                  checkpoint.outputs().end(),
                  [](const auto& here, const std::string& there) { return here->name == there; });
-  if (!same_outputs) return "its [[output]] tables are others than those of this daemon";
+  if (!same_outputs) return "its [[output]] tables differ from this daemon's";
   return "";
 }
 
-// Why the checkpoint is not whole, or "".
+// Checks sequence and checksum. Returns the error, or "".
 std::string WhatIsBroken(const v1::Checkpoint& checkpoint) {
   if (checkpoint.sequence() == 0 || checkpoint.sequence() > kMostSequence) {
     return "its sequence is " + std::to_string(checkpoint.sequence()) + ", expected 1 to 2^62";
@@ -100,12 +101,12 @@ std::string WhatIsBroken(const v1::Checkpoint& checkpoint) {
   constexpr std::size_t kSum = sizeof(decltype(Checksum({})));
   if (state.size() < kSum ||
       !std::ranges::equal(Checksum(state.first(state.size() - kSum)), state.last(kSum))) {
-    return "its state is damaged: the checksum at its end is another";
+    return "its state is damaged: the checksum at its end does not match";
   }
   return "";
 }
 
-// Puts the checkpoint's settings into a profile. Returns what is wrong with them, or "".
+// Reads the checkpoint's settings into a profile. Returns the error, or "".
 std::string ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& config,
                          Profile& profile) {
   v1::Look look = InitialLook();
@@ -128,7 +129,7 @@ std::string ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& 
   if (given.canonical_from_source_size() != 4 || given.rotations_size() % 4 != 0 ||
       !std::ranges::all_of(given.canonical_from_source(), sound) ||
       !std::ranges::all_of(given.rotations(), sound)) {
-    return "its rest pose consists of no rotations";
+    return "its rest pose does not consist of rotations";
   }
   const auto read = [](const auto& numbers, int at) {
     return rig::Quat(numbers[at + 3], numbers[at], numbers[at + 1], numbers[at + 2]);
@@ -155,7 +156,7 @@ Status GiveState(const v1::Checkpoint& checkpoint, const RuntimeConfig& config, 
   performer.Carry(reader, now_ns);
   if (reader.complete()) return Status::Ok();
   return Status::Error(
-      "its state is not as expected: it was made with another [stylist], or with fingers of other "
+      "its state does not fit: it was made with another [stylist], or with fingers of other "
       "sources");
 }
 
@@ -167,15 +168,14 @@ void TakeCheckpoint(const v1::Request& request, Roster& roster, std::int64_t now
   Profile* const profile = roster.FindProfile(request.performer());
   Performer* const performer = profile == nullptr ? nullptr : roster.LiveOf(*profile);
   if (performer == nullptr) {
-    return Deny(
-        v1::CODE_UNKNOWN_PERFORMER,
-        "performer \"" + Printable(request.performer(), kQuoted) + "\": expected one that is here",
-        reply);
+    return Deny(v1::CODE_UNKNOWN_PERFORMER,
+                "performer \"" + Printable(request.performer(), kQuoted) +
+                    "\": expected one that is present",
+                reply);
   }
   if (!performer->binding().bound()) {
     return Deny(v1::CODE_NOT_READY,
-                profile->id + ": no body of theirs is bound yet; expected one that is styled",
-                reply);
+                profile->id + ": no body is bound yet; expected a performer that is styled", reply);
   }
   v1::Checkpoint& checkpoint = *reply.mutable_checkpoint();
   checkpoint = StateOf(*performer, roster.config(), now_ns);
@@ -223,8 +223,9 @@ Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers&
   }
   if (fresh) performer->SetFingers(layers.FingersOf(id));
   Profile& profile = performer->profile;
-  // The state is read into the performer itself: what is not as expected must leave no trace. A
-  // performer who waits for a calibration comes again with their next body.
+  // The state is read into the performer itself, so after an error the state before must be
+  // restored. A performer that waits for a calibration has no such state: it is forgotten, and
+  // returns with its next body.
   std::optional<v1::Checkpoint> before;
   if (!fresh && performer->binding().bound()) before = StateOf(*performer, config, now_ns);
   const auto exchange = [&profile](Profile& other) {
@@ -244,7 +245,7 @@ Performer* RestoreCheckpoint(const v1::Request& request, Roster& roster, Layers&
     return refuse(v1::CODE_MALFORMED, "checkpoint: " + status.message());
   }
   profile.configured = true;
-  // Never back: subscribers take a frame of an old number for one that comes late.
+  // The number never decreases: subscribers drop frames with lower numbers as reordered ones.
   profile.next_sequence = std::max(profile.next_sequence, checkpoint.sequence());
   roster.NoteNamed(profile);
   auto& applied = *reply.add_applied();

@@ -8,7 +8,7 @@
 namespace styled::pipeline {
 namespace {
 
-// Most bytes of a name that a reason quotes. The text must be valid UTF-8, or clients cannot parse
+// Shown bytes of a name, in a reason. The text must be valid UTF-8; otherwise clients cannot parse
 // the reply.
 constexpr std::size_t kShown = 80;
 
@@ -52,12 +52,12 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
       return true;
     case v1::Request::kStatus:
       return false;
-    case v1::Request::kCalibrate:  // these are handled by the pipeline
+    case v1::Request::kCalibrate:  // handled by the pipeline
     case v1::Request::kTakeCheckpoint:
     case v1::Request::kRestoreCheckpoint:
     case v1::Request::kLead:
     case v1::Request::kExplain:
-    case v1::Request::kLike:  // these by the files thread
+    case v1::Request::kLike:  // handled by the files thread
     case v1::Request::kPreview:
     case v1::Request::kExportStyle:
     case v1::Request::kImportStyle:
@@ -127,7 +127,7 @@ Commands::Targets Commands::Find(const std::string& performer, v1::Reply& reply)
   if (profile == nullptr) {
     Refuse(reply, v1::CODE_BUSY,
            std::to_string(roster_.profiles.size()) +
-               " performers have settings already; clear those of some who do not come");
+               " performers have settings already; clear settings that you no longer need");
     return targets;
   }
   targets.ok = true;
@@ -183,7 +183,7 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
   const Targets targets = Find(performer, reply);
   if (!targets.ok) return;
   std::vector<std::pair<Profile*, v1::Look>> changed;
-  // Returns false if the change must not be applied; pinned profiles are skipped with "*".
+  // Returns false if the change must not be applied. With "*", pinned profiles are skipped.
   const auto add = [&](Profile& profile) {
     if (profile.pinned) {
       if (!targets.all) Refuse(reply, v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
@@ -205,7 +205,7 @@ void Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
     changed.emplace_back(&profile, std::move(look));
     return true;
   };
-  // All checks come before any change, so that either all targets change or none.
+  // All checks precede all changes, so that either all targets change or none.
   for (Profile* profile : targets.profiles) {
     if (add(*profile)) continue;
     if (!targets.all) roster_.DropUnused(*profile);
@@ -320,7 +320,7 @@ void Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
       pinned += (pinned.empty() ? "" : ", ") + cue.performer;
     }
   }
-  // A cue that changed nobody is not a success.
+  // A cue that changed no performer is not a success.
   if (!pinned.empty() && reply.code() == v1::CODE_OK && reply.applied().empty()) {
     Refuse(reply, v1::CODE_PINNED,
            "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");

@@ -5,7 +5,7 @@
 
 namespace styled::pipeline {
 
-// Executes an Explain request (control.proto): tells what became of a performer's last frames, each
+// Executes an Explain request (control.proto): returns the fates of a performer's last frames, each
 // with a sentence. Pipeline thread; allocates.
 void Explain(const v1::Request& request, const Performance& performance, v1::Reply& reply);
 

@@ -12,9 +12,8 @@ namespace styled::pipeline {
 namespace {
 
 constexpr std::size_t kMostTakes = 4;  // as many as Mailboxes::takes holds
-constexpr std::int64_t kRecent_ns = 300 * runtime::kMillisecond_ns;  // as for Calibrate
-constexpr std::int64_t kPatience_ns =
-    500 * runtime::kMillisecond_ns;  // for frames that do not come
+constexpr std::int64_t kRecent_ns = 300 * runtime::kMillisecond_ns;    // as for Calibrate
+constexpr std::int64_t kPatience_ns = 500 * runtime::kMillisecond_ns;  // silence that ends a take
 
 bool RefuseTake(v1::Reply& reply, v1::Code code, const std::string& reason) {
   reply.set_code(code);
@@ -35,7 +34,7 @@ bool Takes::Begin(std::unique_ptr<Exchange>& exchange, const Roster& roster, std
   if (pose == nullptr || now_ns - live->admission.last_frame_ns() > kRecent_ns) {
     return RefuseTake(reply, profile == nullptr ? v1::CODE_UNKNOWN_PERFORMER : v1::CODE_NOT_READY,
                       "performer \"" + Printable(request.performer(), 80) +
-                          "\": no frame in the last 0.3 s; expected one who moves now");
+                          "\": no frame in the last 0.3 s; expected a performer that is live");
   }
   if (takes_.size() == kMostTakes) {
     return RefuseTake(reply, v1::CODE_BUSY, "four performers show a style already; try again");
@@ -75,7 +74,7 @@ void Takes::Sample(const body::Pose& pose, std::int64_t elapsed_ns, Take& take) 
     const double after_ns = static_cast<double>(elapsed_ns) - tick_ns;
     if (after_ns < 0) break;
     const double between_ns = static_cast<double>(elapsed_ns - take.last_ns);
-    poses.emplace_back();  // there is room
+    poses.emplace_back();  // memory is reserved
     body::Interpolate(take.last, pose,
                       poses.size() == 1 ? 1 : static_cast<float>(1 - after_ns / between_ns),
                       poses.back());
@@ -93,7 +92,7 @@ std::unique_ptr<Exchange> Takes::Pop(std::int64_t now_ns) {
   if (exchange->take.size() < ended->wanted) {
     const double shown_s = static_cast<double>(exchange->take.size()) * ended->step_ns * 1e-9;
     RefuseTake(exchange->reply, v1::CODE_NOT_READY,
-               "the performer's frames stopped or began anew after " +
+               "the performer's frames stopped or restarted after " +
                    NumberText(static_cast<float>(shown_s), 1) + " s, expected " +
                    NumberText(exchange->request.like().learn_s()) + " s without a gap");
   }

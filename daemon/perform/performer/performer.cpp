@@ -81,12 +81,12 @@ v1::Code Performer::CalibrateNeutral(const v1::Calibrate& request, v1::Reply& re
     return v1::CODE_OUT_OF_RANGE;
   }
   if (!styling_ || !admission.live()) {
-    reply.set_reason(profile.id + ": expected a performer whose frames come and are bound");
+    reply.set_reason(profile.id + ": expected a performer with a bound body that sends frames");
     return v1::CODE_NOT_READY;
   }
   if (!styling_->stylist().has_neutral()) {
     reply.set_reason(
-        "calibrate: these weights do not know how their performers stand and walk, or [model] "
+        "calibrate: these weights have no reference of how people stand and walk, or [model] "
         "neutral is false; expected weights of version 3");
     return v1::CODE_NOT_READY;
   }
@@ -97,7 +97,7 @@ v1::Code Performer::CalibrateNeutral(const v1::Calibrate& request, v1::Reply& re
 
 std::optional<KeptNeutral> Performer::TellNeutral() const {
   if (!styling_ || !styling_->stylist().has_neutral()) return profile.neutral;
-  // What was kept for another body stays until there is something to keep for this one.
+  // The neutral saved for another body stays until this body has one of its own.
   if (styling_->stylist().neutral().body_s() == 0) return profile.neutral;
   return KeptNeutral{BindingHash(*binding_.body().binding), styling_->stylist().Tell()};
 }
