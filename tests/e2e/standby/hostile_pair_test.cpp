@@ -1,6 +1,6 @@
-// A pair of real daemons leads with one, whatever is said to them: a style that no message holds,
-// somebody who subscribes to the journal all the time, programs that are no daemon at the peer's
-// address, and settings that differ.
+// In a pair of real daemons one always leads, whatever they receive: a style too large for a
+// message, a client that keeps subscribing to the journal, programs that are not daemons at the
+// peer's address, and settings that differ.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -248,7 +248,7 @@ TEST_F(HostilePairTest, AProgramThereThatBreaksTheProtocolDoesNotDeafenTheLeader
   const auto other = Start(1);
   ASSERT_TRUE(Follows(*other));
   EXPECT_TRUE(Becomes(*one, [](const auto& state) { return state.heard(); }));
-  // A daemon gives way only to a leader that it hears.
+  // A daemon yields only to a leader that it hears.
   one->child->Signal(SIGSTOP);
   Sleep(0.6);
   one->child->Signal(SIGCONT);

@@ -1,5 +1,5 @@
-// A checkpoint of one daemon's performer is restored by another daemon: the motion goes on there,
-// bit for bit. What cannot be restored leaves everything as it was.
+// A checkpoint of one daemon's performer is restored by another daemon: the motion continues there,
+// bit for bit. A checkpoint that cannot be restored changes nothing.
 #include "daemon/perform/checkpoints.h"
 
 #include <gtest/gtest.h>
@@ -209,7 +209,7 @@ TEST_F(CheckpointsTest, UnderAnotherName) {
   EXPECT_EQ(frames.back().flags() & v1::FLAG_NEW_SESSION, 0U);
 }
 
-// Whoever is refused is told why, and nothing has happened: the same frames as without.
+// A refusal gives the reason and changes nothing: the frames are the same as without the request.
 TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
   const auto first = Start(), second = Start();
   const auto show = Show(160);
@@ -262,8 +262,8 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
   both(50, 160);
 }
 
-// Who can make a checksum can make any state: it is refused, or the performer is styled in bounds,
-// and is well again after a reset.
+// A sender that can compute the checksum can send any state: it is refused, or the performer is
+// styled within bounds and recovers after a reset.
 TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
   const auto show = Show(80);
   const auto first = Start();

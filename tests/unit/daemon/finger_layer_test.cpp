@@ -28,7 +28,7 @@ class FingerLayerTest : public testing::Test {
     became_ = layer.AcceptBody(body, now_ns_, why);
     return why;
   }
-  // Frames of the glove at 100 Hz for so long, and the performer's time with it.
+  // Plays `ms` of glove frames at 100 Hz, and the performer's time with them.
   void Play(FingerLayer& layer, Glove& glove, int ms) {
     for (int i = 0; i < ms; i += 10) {
       now_ns_ += 10 * kMs;

@@ -201,7 +201,7 @@ TEST_F(PipelineTest, SilenceIsStaleOnceThenNothingThenForgotten) {
   EXPECT_EQ(Count(Counter::kPipelinePerformers), 1U);
   Pass(29'750);
   EXPECT_EQ(Count(Counter::kPipelinePerformers), 0U);
-  // Back again: its sequence goes on.
+  // The performer returns: its sequence continues.
   Deliver({rig_.Body(), rig_.Frame()});
   ASSERT_EQ(frames().size(), 3U);
   EXPECT_EQ(frames()[2].sequence(), 3U);

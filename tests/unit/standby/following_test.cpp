@@ -93,7 +93,7 @@ TEST_F(FollowingTest, WhenTheLeaderIsKilledNoFrameIsLostAndNoneIsAnother) {
   }
 }
 
-// What the leader had published last may have died in its queues.
+// The leader's last messages may have been lost in its queues.
 TEST_F(FollowingTest, TheLastFramesOfTheLeaderAreSentAgain) {
   StartB();
   Begin();
@@ -273,7 +273,7 @@ TEST_F(FollowingTest, WhoComesBackAfterATakeoverGoesOnWithLaterNumbers) {
   Begin();
   Wear(*a_, "style1", 0);
   Frames(90);
-  for (int i = 0; i < 700; ++i) {  // away for so long that the leader forgets them
+  for (int i = 0; i < 700; ++i) {  // longer than the leader keeps silent performers
     a_->clock.now_ns += 100'000'000;
     Turn(1);
   }
@@ -323,8 +323,7 @@ TEST_F(FollowingTest, LeadTakesOverAfterTheLastOrderOfTheOldLeader) {
   EXPECT_EQ(Seen().size(), 40U);
 }
 
-// What the leader says decides nothing that this daemon would not accept of a rig; and it cannot
-// end it.
+// The leader's data must pass the same checks as a rig's, and cannot end this daemon.
 TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
   StartB();
   Begin();
@@ -378,7 +377,7 @@ TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
   say([](v1::Journal& e) { e.set_daemon(9); });
   wire_.to_b.emplace_back("no message at all");
   Turn(10);
-  Frames(300);  // it asks for everything anew
+  Frames(300);  // it requests the whole state again
   for (int i = 0; i < 11; ++i) {
     for (int k = 0; k < 100; ++k) Turn(10);
   }

@@ -1,5 +1,5 @@
-// What a standby keeps of its rigs' data, and where a performer's own frames continue behind the
-// leader's last one.
+// The buffer of a standby for its rigs' data, and the position from which a performer's own frames
+// follow the leader's last one.
 #include "daemon/standby/input_buffer.h"
 
 #include <gtest/gtest.h>

@@ -17,7 +17,7 @@ namespace {
 
 class StateTest : public PairTest {
  protected:
-  // Weights whose styles can be made, with `count` made ones, of a source of so many bytes each.
+  // Weights whose styles can be made, with `count` made styles of `bytes` each.
   static std::shared_ptr<pipeline::RuntimeConfig> WithStyles(int count, std::size_t bytes) {
     auto config = MakeConfig();
     auto network = net::Parse(stgcn_causal::RandomWeights(5, 16, 3).Bytes(), "random");
@@ -45,7 +45,7 @@ class StateTest : public PairTest {
     files_b_.running = standbys;
     StartB(standbys);
   }
-  // What the files thread does at a node; one that is slow takes so many turns for a style.
+  // A node's files thread; a slow one takes several turns for a style.
   struct Files {
     std::shared_ptr<const pipeline::RuntimeConfig> running;
     pipeline::StyleRequests requests{};
@@ -252,7 +252,7 @@ TEST_F(StateTest, AStandbyThatComesLaterFadesOutOfReplacedStylesAsTheLeaderDoes)
   EXPECT_EQ(after.apart() - before.apart(), 0U);
 }
 
-// The other daemon leads by now, which has not got the style: nobody is told that it is made.
+// By now the other daemon leads and lacks the style, so no client gets a success reply.
 TEST_F(StateTest, AStyleThatIsMadeWhileTheLeadIsLostIsRefused) {
   Begin(WithStyles(2, 10), WithStyles(2, 10));
   SuperviseB(200);
@@ -356,8 +356,8 @@ TEST_F(StateTest, APerformerWhoComesWhileTheStateComesHasTheirSettings) {
   EXPECT_GT(b_->State().compared(), 10U);
 }
 
-// Whoever connects may ask; it costs the leader no more than once a second, and the standby
-// nothing.
+// Any program may subscribe and request the state. That costs the leader at most one state a
+// second, and the standby nothing.
 TEST_F(StateTest, HoweverOftenItIsAskedTheLeaderSendsItsStateOnceASecond) {
   StartB();
   PairTest::Begin();
@@ -415,7 +415,7 @@ TEST_F(StateTest, AStandbyWhoseFeetDifferIsNotReadyAndBothSayWhy) {
   v1::Request lead;
   lead.mutable_lead();
   EXPECT_EQ(b_->Ask(lead).code(), v1::CODE_NOT_READY);
-  a_.reset();  // alone it leads all the same, and goes on
+  a_.reset();  // alone it leads nevertheless, and continues
   Frames(60);
   EXPECT_EQ(b_->State().role(), "leading");
   EXPECT_EQ(b_->State().takeovers(), 0U);

@@ -1,5 +1,4 @@
-// What comes from the peer's address and is not the other daemon: it decides nothing, whatever it
-// says, and is said.
+// Messages from the peer's address that are not the peer's have no effect and are logged.
 #include <gtest/gtest.h>
 
 #include <algorithm>

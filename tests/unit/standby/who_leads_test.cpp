@@ -1,4 +1,4 @@
-// Who of two daemons leads: at the start, after silence, goodbye, restart and partition.
+// Which of two daemons leads: at the start, after silence, goodbye, restart and partition.
 #include <gtest/gtest.h>
 
 #include "daemon/standby/roles.h"
@@ -148,7 +148,7 @@ TEST_F(RolesTest, OfTwoThatNeverHeardOfEachOtherTheLongerShowStays) {
   EXPECT_EQ(fresh.OnPeer(Leading(9, show.term())), Change::kFollow);
 }
 
-// Nobody follows a term that no pair reaches: the next one would wrap around to 0.
+// A term that no pair reaches is ignored: the next one would wrap around to 0.
 TEST_F(RolesTest, ATermThatNoPairReachesIsIgnored) {
   EXPECT_EQ(roles.OnPeer(Leading(9, ~std::uint64_t{0})), Change::kNone);
   EXPECT_EQ(Pass(roles, now_ns, 1100), Change::kLead);
@@ -170,7 +170,7 @@ TEST_F(RolesTest, TheHighestTermStaysTheHighest) {
   EXPECT_EQ(roles.term(), Roles::kMostTerm);
 }
 
-// What listens at the peer's address is the daemon of another pair.
+// The program at the peer's address is a daemon of another pair.
 TEST_F(RolesTest, ALeaderThatHearsAThirdDaemonTakesNoLead) {
   Peer stranger = Leading(3, 9);
   stranger.hears = 77;
