@@ -16,7 +16,7 @@ namespace styled::log {
 void FillFate(const decide::FrameInTransit& frame, v1::FrameFate& fate);
 
 // The fates of one performer's last frames, for v1::Explain. 64 kB, allocated at construction; one
-// per performer, pipeline thread. Pinned by tests/unit/daemon/log/frame_history_test.cpp.
+// per performer, pipeline thread. Pinned by tests/unit/daemon/perform/explain_test.cpp.
 class FrameHistory {
  public:
   // 8.5 s at 120 Hz, as long as a sender's numbers may jump (decide::Session::kFarAhead).

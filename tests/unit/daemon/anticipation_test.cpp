@@ -42,7 +42,7 @@ TEST(Anticipation, DoesNotPrepareForAFrameThatIsOverdue) {
   EXPECT_FALSE(anticipation.Expects(kDue_ns + kPatience_ns));
 }
 
-TEST(Anticipation, StartsAnewWithEachFrame) {
+TEST(Anticipation, PreparationRestartsWithEachFrame) {
   Anticipation anticipation;
   anticipation.Await(kDue_ns);
   EXPECT_TRUE(anticipation.Prepare(kDue_ns));
@@ -51,7 +51,7 @@ TEST(Anticipation, StartsAnewWithEachFrame) {
   EXPECT_EQ(anticipation.prepare_ns(), 2 * kDue_ns - kLead_ns);
 }
 
-TEST(Schedule, KnowsWhenAFrameIsDueByTheShortestWay) {
+TEST(Schedule, AFrameIsDueByTheShortestDelay) {
   runtime::Schedule schedule;
   EXPECT_EQ(schedule.Lateness_ns(0, 1'000'300), 0);
   EXPECT_EQ(schedule.Due_ns(10), 1'000'310);

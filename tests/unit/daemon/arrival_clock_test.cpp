@@ -63,7 +63,7 @@ TEST_F(ArrivalClockTest, ADatagramThatWaitedHasItsOwnTime) {
   EXPECT_EQ(AgeOf(stamp_ns), 22 * kMillisecond_ns);
 }
 
-TEST_F(ArrivalClockTest, AlsoAfterSeconds) {
+TEST_F(ArrivalClockTest, ADatagramThatWaitedForSecondsHasItsOwnTime) {
   const std::int64_t stamp_ns = Wall();
   clock_.now_ns += 3 * kSecond_ns;
   EXPECT_EQ(AgeOf(stamp_ns), 3 * kSecond_ns);
@@ -93,7 +93,7 @@ TEST_F(ArrivalClockTest, AStampBeforeTheSocketWasEmptyIsNotBelieved) {
   EXPECT_EQ(AgeOf(Wall() + kSecond_ns), 0) << "nor one of the future";
 }
 
-TEST_F(ArrivalClockTest, WhatAFullBatchLeftBehindMayBeOlder) {
+TEST_F(ArrivalClockTest, DatagramsLeftByAFullBatchMayBeOlder) {
   const std::int64_t stamp_ns = Wall();
   clock_.now_ns += 100 * kMillisecond_ns;
   Read(false);
@@ -101,7 +101,7 @@ TEST_F(ArrivalClockTest, WhatAFullBatchLeftBehindMayBeOlder) {
   EXPECT_EQ(AgeOf(stamp_ns), 110 * kMillisecond_ns);
 }
 
-TEST(WallWatchTest, AnInterruptionBetweenTheReadingsIsNoStep) {
+TEST(WallWatchTest, AnInterruptionBetweenReadingsIsNotAStep) {
   TwoClocks clock;
   runtime::WallWatch watch;
   EXPECT_EQ(watch.Look(clock), 0) << "the first look has nothing to compare with";
@@ -109,7 +109,7 @@ TEST(WallWatchTest, AnInterruptionBetweenTheReadingsIsNoStep) {
   EXPECT_EQ(watch.Look(clock), 0);
 }
 
-TEST(WallWatchTest, AStepIsToldOnceAndSmallOnesAddUp) {
+TEST(WallWatchTest, AStepIsReportedOnceAndSmallOnesAddUp) {
   TwoClocks clock;
   runtime::WallWatch watch;
   EXPECT_EQ(watch.Look(clock), 0);
@@ -147,7 +147,7 @@ class UdpSocketTest : public testing::Test {
   runtime::Counters counters_;
 };
 
-TEST_F(UdpSocketTest, TheArrivalIsTheKernelsHoweverLongTheLoopWasHeldUp) {
+TEST_F(UdpSocketTest, ADatagramHasTheKernelsArrivalTime) {
   UdpSocket socket = Open(1 << 20);
   const support::UdpLink link(socket.endpoint());
   EXPECT_TRUE(socket.Receive().empty());
@@ -189,7 +189,7 @@ class TcpArrivalTest : public testing::Test, public Receiver {
   std::vector<std::int64_t> arrivals_ns_;
 };
 
-TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
+TEST_F(TcpArrivalTest, WaitingBytesHaveTheirArrivalTime) {
   config::Source config;
   config.name = "rig";
   config.type = "tcp";
@@ -228,7 +228,7 @@ TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
 }
 
 // Each datagram reports the drops before it, so the last ones of a burst are not reported.
-TEST_F(UdpSocketTest, WhatTheKernelDroppedLastIsCountedToo) {
+TEST_F(UdpSocketTest, TheKernelsLastDropsAreCounted) {
   UdpSocket socket = Open(4096);
   const support::UdpLink link(socket.endpoint());
   constexpr int kSent = 200;

@@ -47,11 +47,11 @@ class CanaryTest : public testing::Test {
   runtime::Counters counters_;
 };
 
-TEST_F(CanaryTest, ItAsksForNothing) {
+TEST_F(CanaryTest, TheCanaryRequestsNoTopic) {
   EXPECT_EQ(publisher_.Get(ZMQ_EVENTS) & ZMQ_POLLIN, 0) << "its subscription counts for no topic";
 }
 
-TEST_F(CanaryTest, WhatFitsIntoItsQueueIsNotMissed) {
+TEST_F(CanaryTest, MessagesThatFitTheQueueAreNotMissed) {
   for (int i = 0; i < 20; ++i) {
     Send("styled/rig.a/rig/", 2 * kMark);
     Drain(Counter::kPublishCanaryMissed);
@@ -60,7 +60,7 @@ TEST_F(CanaryTest, WhatFitsIntoItsQueueIsNotMissed) {
   EXPECT_EQ(Drain(Counter::kPublishCanaryMissed), 0U);
 }
 
-TEST_F(CanaryTest, WhatDoesNotFitIsMissedExactlyAndCountedOnce) {
+TEST_F(CanaryTest, MessagesBeyondTheQueueAreCountedExactlyOnce) {
   Send("styled/rig.a/rig/", 200);
   Send("frames/rig/", 50);  // does not read those
   const std::uint64_t received = Drain(Counter::kPublishCanaryReceived);
@@ -93,14 +93,14 @@ TEST(StalledTest, AConnectionThatTakesNothingIsFoundByItsPort) {
   EXPECT_TRUE(FindStalled("", 7001).empty());
 }
 
-TEST(StalledTest, OfIPv6Too) {
+TEST(StalledTest, AStalledIPv6ConnectionIsFound) {
   const std::string line =
       "   1: 00000000000000000000000001000000:1B59 00000000000000000000000001000000:1267 01 "
       "0001F3A0:00000000 04:0000001D 00000000     0\n";
   EXPECT_EQ(FindStalled(line, 7001), (std::vector<std::string>{"[::1]:4711"}));
 }
 
-TEST(StalledTest, ItIsToldOnceFromTheSecondLookOnAndItsRecoveryToo) {
+TEST(StalledTest, AStallIsReportedOnceFromTheSecondTableOnAndSoIsItsEnd) {
   StalledSubscribers subscribers("tcp://0.0.0.0:7001");
   std::vector<std::string> fresh, recovered;
   const auto look = [&](std::vector<std::string> stalled) {

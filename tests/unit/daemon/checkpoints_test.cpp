@@ -136,7 +136,7 @@ struct CheckpointsTest : testing::Test {
   const std::shared_ptr<RuntimeConfig> config = std::make_shared<RuntimeConfig>();
 };
 
-TEST_F(CheckpointsTest, AnotherDaemonGoesOnBitForBit) {
+TEST_F(CheckpointsTest, AnotherDaemonContinuesBitForBit) {
   const auto show = Show(240);
   const auto first = Start();
   std::map<int, std::unique_ptr<Stage>> others;
@@ -175,7 +175,7 @@ TEST_F(CheckpointsTest, AnotherDaemonGoesOnBitForBit) {
   EXPECT_EQ(others.size(), 7U);
 }
 
-TEST_F(CheckpointsTest, ItIsTheSameOverAPerformerWhoIsThere) {
+TEST_F(CheckpointsTest, AStateReplacesAPresentPerformer) {
   const auto show = Show(200);
   const auto first = Start(), second = Start(70);
   for (int i = 0; i < 200; ++i) {
@@ -193,7 +193,7 @@ TEST_F(CheckpointsTest, ItIsTheSameOverAPerformerWhoIsThere) {
   }
 }
 
-TEST_F(CheckpointsTest, UnderAnotherName) {
+TEST_F(CheckpointsTest, AStateIsRestoredUnderAnotherName) {
   const auto first = Start(), second = Start();
   const auto show = Show(90);
   for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
@@ -210,7 +210,7 @@ TEST_F(CheckpointsTest, UnderAnotherName) {
 }
 
 // A refusal gives the reason and changes nothing: the frames are the same as without the request.
-TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
+TEST_F(CheckpointsTest, ARefusedCheckpointChangesNothing) {
   const auto first = Start(), second = Start();
   const auto show = Show(160);
   const auto both = [&](int from, int to) {
@@ -264,7 +264,7 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
 
 // A sender that can compute the checksum can send any state: it is refused, or the performer is
 // styled within bounds and recovers after a reset.
-TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
+TEST_F(CheckpointsTest, DamagedStatesHaveNoEffect) {
   const auto show = Show(80);
   const auto first = Start();
   for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
@@ -300,7 +300,7 @@ TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
   EXPECT_LT(refused, kTries);
 }
 
-TEST_F(CheckpointsTest, NamesThatAreNone) {
+TEST_F(CheckpointsTest, InvalidNamesAreRefused) {
   const auto stage = Start();
   stage->Deliver(Show(1)[0]);
   const v1::Checkpoint good = stage->Accept().checkpoint();
@@ -313,7 +313,7 @@ TEST_F(CheckpointsTest, NamesThatAreNone) {
   EXPECT_EQ(stage->Accept("rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
 }
 
-TEST_F(CheckpointsTest, AFullTableIsSaid) {
+TEST_F(CheckpointsTest, AFullTableIsReported) {
   config->performers.max_performers = 1;
   const auto stage = Start();
   for (const auto& datagram : Show(3)) stage->Deliver(datagram);

@@ -93,7 +93,7 @@ struct ClockWatchTest : testing::Test {
   std::int64_t now_ns = 0;
 };
 
-TEST_F(ClockWatchTest, WithoutPtp4lTheKernelAloneIsAsked) {
+TEST_F(ClockWatchTest, OnlyTheKernelIsQueriedWithoutPtp4l) {
   for (int i = 0; i < 3; ++i) watch.Update(now_ns += kSecond);
   EXPECT_FALSE(watch.discipline().ptp);
   if (watch.discipline().known) EXPECT_GE(watch.discipline().max_error_s, 0);
@@ -116,7 +116,7 @@ TEST_F(ClockWatchTest, TheUsualDomainsAreFoundAtOnceAndAnyWithin20Seconds) {
   }
 }
 
-TEST_F(ClockWatchTest, WhatChangesIsSeenAndWhatIsGoneIsGone) {
+TEST_F(ClockWatchTest, ChangesAndDisappearancesAreDetected) {
   {
     Ptp4l ptp4l(file, 0);
     ASSERT_GE(Wait(ptp4l), 0);

@@ -93,7 +93,7 @@ struct DelayTest : testing::Test, Receiver {
 
 constexpr std::int64_t kPeriod_ns = 1'000'000'000 / 120;
 
-TEST_F(DelayTest, WhatComesInBurstsLeavesEvenly) {
+TEST_F(DelayTest, BurstsLeaveEvenly) {
   Arrives(0, rig.Body());
   constexpr int kFrames = 240;
   for (int i = 0; i < kFrames; ++i) {  // five at a time
@@ -113,7 +113,7 @@ TEST_F(DelayTest, WhatComesInBurstsLeavesEvenly) {
   EXPECT_EQ(shown.missed, 0U);
 }
 
-TEST_F(DelayTest, FramesThatOvertookOneAnotherLeaveInOrder) {
+TEST_F(DelayTest, ReorderedFramesLeaveInOrder) {
   for (int i = 0; i < 60; ++i) {
     if (i % 10 == 2 && i > 2)
       Arrives(i * kPeriod_ns - 1, rig.Body());  // overtakes the late frame before it
@@ -124,7 +124,7 @@ TEST_F(DelayTest, FramesThatOvertookOneAnotherLeaveInOrder) {
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i].sequence, i);
 }
 
-TEST_F(DelayTest, WhatComesTooLateLeavesAtOnceAndIsCounted) {
+TEST_F(DelayTest, LateFramesLeaveAtOnceAndAreCounted) {
   Arrives(0, rig.Body());
   for (int i = 0; i < 240; ++i) {
     Arrives(i * kPeriod_ns + (i == 30 ? 80 * kMillisecond_ns : 0), rig.Frame());
@@ -137,7 +137,7 @@ TEST_F(DelayTest, WhatComesTooLateLeavesAtOnceAndIsCounted) {
   EXPECT_EQ(delayed->smoothing().missed, 1U);
 }
 
-TEST_F(DelayTest, ANewSessionOrAClockSetBackBeginsAnew) {
+TEST_F(DelayTest, ANewSessionOrAClockSetBackRestartsTheDelay) {
   for (int i = 0; i < 30; ++i) Arrives(i * kPeriod_ns, rig.Frame());
   rig.session = 9;
   rig.time_ns = 5;

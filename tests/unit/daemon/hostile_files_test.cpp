@@ -76,7 +76,7 @@ TEST_F(HostileFilesTest, OnlyARegularFileUpToTheLimitIsRead) {
 }
 
 // One that grows while it is read says less when it is opened than is read of it, as these do.
-TEST_F(HostileFilesTest, AFileThatIsLongerThanItSaidEndsAtTheLimit) {
+TEST_F(HostileFilesTest, AFileLongerThanItsStatedSizeEndsAtTheLimit) {
   const std::string file = "/proc/self/status";
   struct stat about {};
   ASSERT_EQ(stat(file.c_str(), &about), 0);
@@ -122,7 +122,7 @@ TEST_F(HostileFilesTest, DeepNestingIsRefusedWithItsLine) {
               HasSubstr("--set publish.address: nested too deep"));
 }
 
-TEST_F(HostileFilesTest, WhatOnlyLooksDeepIsNot) {
+TEST_F(HostileFilesTest, TextThatOnlyLooksDeepIsAccepted) {
   const std::string dots = Times(1000, "."), brackets = Times(1000, "[{");
   for (const std::string& text :
        {"# " + dots + brackets, "file = \"" + dots + brackets + "\"",
@@ -138,7 +138,7 @@ TEST_F(HostileFilesTest, WhatOnlyLooksDeepIsNot) {
 
 // The deepest texts that pass are parsed, walked, printed and freed on a stack of 256 KiB, a
 // thirtieth of a thread's usual one.
-TEST_F(HostileFilesTest, WhatPassesIsNotDeepForToml) {
+TEST_F(HostileFilesTest, AcceptedTextIsNotDeepForToml) {
   std::string array = "[[a]]\n", path = "a";
   for (int i = 0; i < kMaxTomlNesting; ++i) {
     path += ".a";
@@ -217,7 +217,7 @@ TEST_F(HostileFilesTest, TomlAgreesAboutWhereStringsAndCommentsEnd) {
   EXPECT_GT(deep_ones, 200);
 }
 
-TEST_F(HostileFilesTest, BytesThatAreNoTextAreRefusedInText) {
+TEST_F(HostileFilesTest, BinaryBytesAreRefusedInText) {
   for (const std::string& text :
        {std::string("[publish]\nx = 1\0", 16), std::string("\0", 1),
         std::string("a = \"\xFF\xFE\""), std::string("\xC3"), std::string("\x7f"),
@@ -229,7 +229,7 @@ TEST_F(HostileFilesTest, BytesThatAreNoTextAreRefusedInText) {
   }
 }
 
-TEST_F(HostileFilesTest, WhatIsQuotedIsCutShort) {
+TEST_F(HostileFilesTest, QuotedTextIsTruncated) {
   const std::string much = Times(300000, "m");
   for (const std::string& text :
        {"[" + much + "]", "[publish]\n" + much + " = 1", "[log]\nlevel = \"" + much + "\"",

@@ -112,7 +112,7 @@ TEST(LookTest, AChangeAppliesWhatItNames) {
   EXPECT_FALSE(look.clear());
 }
 
-TEST(LookTest, WhatIsOutOfRangeIsNamed) {
+TEST(LookTest, AValueOutOfRangeIsNamed) {
   EXPECT_EQ(CheckLook(Changed()), "");
   v1::Look change;
   change.set_strength(std::numeric_limits<float>::quiet_NaN());

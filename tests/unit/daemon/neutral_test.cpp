@@ -63,7 +63,7 @@ class NeutralInTheDaemon : public testing::Test {
   support::Rig rig_{"a", 9};
 };
 
-TEST_F(NeutralInTheDaemon, StatusTellsHowWellItIsKnown) {
+TEST_F(NeutralInTheDaemon, StatusShowsHowWellTheNeutralIsKnown) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 0.1);
   ASSERT_TRUE(pipeline_.StatsOf("rig.a").has_neutral());
@@ -103,7 +103,7 @@ TEST_F(NeutralInTheDaemon, ACalibrationEndsAndIsSaved) {
   EXPECT_TRUE(Told(next).calibrated());
 }
 
-TEST_F(NeutralInTheDaemon, ItOutlivesASilence) {
+TEST_F(NeutralInTheDaemon, TheNeutralOutlivesASilence) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 1);
   ASSERT_EQ(Calibrate(1).code(), v1::CODE_OK);
@@ -116,7 +116,7 @@ TEST_F(NeutralInTheDaemon, ItOutlivesASilence) {
   EXPECT_TRUE(Told(pipeline_).calibrated());
 }
 
-TEST_F(NeutralInTheDaemon, ItIsForgottenOnRequestAndLearnedAnew) {
+TEST_F(NeutralInTheDaemon, TheNeutralIsForgottenOnRequestAndLearnedAgain) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 1);
   ASSERT_EQ(Calibrate(1).code(), v1::CODE_OK);
@@ -129,7 +129,7 @@ TEST_F(NeutralInTheDaemon, ItIsForgottenOnRequestAndLearnedAnew) {
 }
 
 // An order of rest pose by another hash is for another body.
-TEST_F(NeutralInTheDaemon, OfAnotherRestPoseItIsNotTaken) {
+TEST_F(NeutralInTheDaemon, ANeutralOfAnotherRestPoseIsNotUsed) {
   Profile kept;
   kept.id = "rig.a";
   kept.look = InitialLook();
@@ -142,7 +142,7 @@ TEST_F(NeutralInTheDaemon, OfAnotherRestPoseItIsNotTaken) {
   EXPECT_FALSE(Told(pipeline_).calibrated());
 }
 
-TEST_F(NeutralInTheDaemon, WhatCannotBeIsRefusedByName) {
+TEST_F(NeutralInTheDaemon, InvalidRequestsAreRefusedByName) {
   EXPECT_EQ(Calibrate(5).code(), v1::CODE_UNKNOWN_PERFORMER);
   pipeline_.Deliver({rig_.Body()});
   EXPECT_EQ(Calibrate(5).code(), v1::CODE_NOT_READY) << "no frame has come";
@@ -158,7 +158,7 @@ struct WithoutAReference : NeutralInTheDaemon {
   WithoutAReference() : NeutralInTheDaemon(false) {}
 };
 
-TEST_F(WithoutAReference, OldWeightsHaveNoneAndSaySo) {
+TEST_F(WithoutAReference, OldWeightsHaveNoReferenceAndReportIt) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 1);
   EXPECT_FALSE(pipeline_.StatsOf("rig.a").has_neutral());

@@ -31,7 +31,7 @@ TEST(NotifyTest, EveryMessageIsTheManagersOwn) {
   EXPECT_EQ(manager.Next(), std::nullopt);
 }
 
-TEST(NotifyTest, WhatAFileSaysCannotSpeakToTheManager) {
+TEST(NotifyTest, TheTextOfAFileCannotInjectMessages) {
   support::Datagrams manager;
   Notifier notifier(manager.path());
   notifier.Say("stage.toml:1: \"\nMAINPID=1\nREADY=1\"");

@@ -57,7 +57,7 @@ TEST(PerformerStream, SendsTheBodyFirstAndAgainEverySecond) {
   EXPECT_EQ(f.undecodable, 0);
 }
 
-TEST(PerformerStream, TellsLostFramesByTheSequenceAndARestartByTheSession) {
+TEST(PerformerStream, LostFramesShowInTheSequenceAndARestartInTheSession) {
   Fixture f;
   f.SetBody();
   f.Send();
@@ -71,7 +71,7 @@ TEST(PerformerStream, TellsLostFramesByTheSequenceAndARestartByTheSession) {
   EXPECT_EQ(f.items[3].sequence, 0U);
 }
 
-TEST(PerformerStream, AnotherBodyIsAnnouncedAtOnceTheSameOneIsNot) {
+TEST(PerformerStream, ANewBodyIsSentAtOnceAndTheSameOneIsNot) {
   Fixture f;
   f.SetBody();
   f.Send();

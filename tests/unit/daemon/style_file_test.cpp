@@ -63,7 +63,7 @@ TEST(StyleFile, OnlyKnownFieldsAreKept) {
   EXPECT_THAT(FormatStyleFile(style.value(), Config()), testing::Not(HasSubstr("notes")));
 }
 
-TEST(StyleFile, WhatIsNoStyleIsRefused) {
+TEST(StyleFile, AFileThatIsNotAStyleIsRefused) {
   const std::string format = "x.json: expected a JSON object with \"format\": \"styled style 1\"";
   for (const std::string& text : {std::string(), std::string("7"), "[" + With("") + "]",
                                   With("").substr(0, 90), With("\"format\":\"other\""),

@@ -135,7 +135,7 @@ TEST_F(TcpTest, HalfARecordAndBytesThatDripDoNotKeepAConnection) {
   EXPECT_EQ(records_, 0U);
 }
 
-TEST_F(TcpTest, WhoHasSentARecordMayBeSilentWhileThereIsRoom) {
+TEST_F(TcpTest, ASenderOfARecordMayBeSilentWhileThereIsRoom) {
   Start();
   const Client& rig = Connect();
   rig.Send(Record());
@@ -147,7 +147,7 @@ TEST_F(TcpTest, WhoHasSentARecordMayBeSilentWhileThereIsRoom) {
   EXPECT_EQ(records_, 2U);
 }
 
-TEST_F(TcpTest, OfSixtyFourIdleConnectionsTheOldestGivesWayToARigAtOnce) {
+TEST_F(TcpTest, TheOldestOfSixtyFourIdleConnectionsIsReplacedByARigAtOnce) {
   Start();
   for (int i = 0; i < 64; ++i) Connect();
   const Client& rig = Connect();
@@ -173,7 +173,7 @@ TEST_F(TcpTest, OfSixtyFourIdleConnectionsTheOldestGivesWayToARigAtOnce) {
   EXPECT_THAT(notes_[1], HasSubstr("(301 times)"));
 }
 
-TEST_F(TcpTest, OfThoseThatFellSilentTheLongestSilentGivesWayAndNobodyWhoSends) {
+TEST_F(TcpTest, TheLongestSilentConnectionIsReplacedAndNoSendingOne) {
   Start(3);
   for (int i = 0; i < 3; ++i) {
     Connect().Send(Record());
@@ -213,7 +213,7 @@ TEST_F(TcpTest, OneConnectionIsEnoughForARigThatLostItsLastOne) {
 }
 
 // More is waiting than one call takes: who is closed by one event may be named by another.
-TEST_F(TcpTest, ConnectionsThatEndWhileTheirBytesWaitHurtNobody) {
+TEST_F(TcpTest, ConnectionsThatEndWithUnreadBytesHaveNoEffect) {
   Start(8);
   for (int i = 0; i < 8; ++i) Connect();
   for (const auto& client : clients_) client->Send(Record());
@@ -225,7 +225,7 @@ TEST_F(TcpTest, ConnectionsThatEndWhileTheirBytesWaitHurtNobody) {
   EXPECT_EQ(Count(Counter::kSourceTcpAccepted) + Count(Counter::kSourceTcpRefused), 38U);
 }
 
-TEST_F(TcpTest, WhatWaitedWhileTheDaemonWasHeldUpIsReadBeforeAnybodyIsClosed) {
+TEST_F(TcpTest, WaitingBytesAreReadBeforeAnyConnectionIsClosed) {
   Start();
   for (int i = 0; i < 40; ++i) Connect();
   for (const auto& client : clients_) client->Send(Record());
@@ -236,7 +236,7 @@ TEST_F(TcpTest, WhatWaitedWhileTheDaemonWasHeldUpIsReadBeforeAnybodyIsClosed) {
 }
 
 // Ten connections bring thousands of records at once; the other sources have their turn between.
-TEST_F(TcpTest, ACycleTakesABoundedShareOfWhatWaits) {
+TEST_F(TcpTest, ACycleReadsABoundedShareOfTheWaitingBytes) {
   Start();
   for (int i = 0; i < 10; ++i) (void)Connect();
   Bytes many;
@@ -276,7 +276,7 @@ TEST_F(TcpTest, MvnsConnectionsMeetTheSameRules) {
   EXPECT_FALSE(suit.Closed());
 }
 
-TEST(NoteLimit, LetsABurstThroughThenOneASecondAndTellsForHowMany) {
+TEST(NoteLimit, ABurstPassesThenOneNoteASecondWithTheirNumber) {
   NoteLimit limit(3);
   std::int64_t now_ns = 7 * kSecond_ns;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(limit.Handle(now_ns), 1U);

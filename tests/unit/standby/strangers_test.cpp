@@ -65,7 +65,7 @@ class StrangersTest : public PairTest {
   }
 };
 
-TEST_F(StrangersTest, ALeaderGivesWayToNoneOfThem) {
+TEST_F(StrangersTest, ALeaderYieldsToNoStranger) {
   Begin();
   Frames(20);
   for (const std::string& message : AllBogus()) {
@@ -83,7 +83,7 @@ TEST_F(StrangersTest, ALeaderGivesWayToNoneOfThem) {
   EXPECT_EQ(a_->State().role(), "following");
 }
 
-TEST_F(StrangersTest, AStandbyStaysReadyWhateverComesBetweenTheLeadersMessages) {
+TEST_F(StrangersTest, AStandbyStaysReadyDespiteForeignMessages) {
   StartB();
   Begin();
   Frames(20);
@@ -102,7 +102,7 @@ TEST_F(StrangersTest, AStandbyStaysReadyWhateverComesBetweenTheLeadersMessages) 
 }
 
 // A leader's entry that cannot be repeated: the state is fetched again at once, not after 10 s.
-TEST_F(StrangersTest, AnEntryThatCannotBeRepeatedCostsASecond) {
+TEST_F(StrangersTest, AnEntryThatCannotBePerformedCostsASecond) {
   StartB();
   Begin();
   Frames(20);
@@ -123,7 +123,7 @@ TEST_F(StrangersTest, AnEntryThatCannotBeRepeatedCostsASecond) {
 }
 
 // More than it reads in a turn, without end.
-TEST_F(StrangersTest, AFloodKeepsNobodyFromLeading) {
+TEST_F(StrangersTest, AFloodDoesNotPreventATakeover) {
   StartB();
   Begin();
   Frames(20);
@@ -146,7 +146,7 @@ TEST_F(StrangersTest, AFloodKeepsNobodyFromLeading) {
 }
 
 // The daemon of another pair has the peer's address: it hears its own peer, not this one.
-TEST_F(StrangersTest, TheLeaderOfAnotherPairIsNeitherFollowedNorGivenWayTo) {
+TEST_F(StrangersTest, TheLeaderOfAnotherPairIsIgnored) {
   a_.reset();
   wire_.to_b.clear();
   b_ = std::make_unique<Node>(wire_, false, 9, 77'000'000'000, config_, kTopics);

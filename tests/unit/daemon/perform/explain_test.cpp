@@ -245,7 +245,7 @@ TEST_F(SleepingExplainTest, AFailedFrameNamesThePoseThatWasNotSound) {
   EXPECT_GT(pipe().Count(runtime::Counter::kStylistFailedPrediction), 0U);
 }
 
-TEST_F(ExplainTest, OfNobodyTheReasonTellsWhatTheSourcesCount) {
+TEST_F(ExplainTest, TheReasonForAnUnknownPerformerStatesTheCounters) {
   EXPECT_EQ(Ask(1, "rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
   EXPECT_THAT(Ask(1, "rig.b").reason(), HasSubstr("nothing arrived from any source yet"));
   pipe().Deliver({rig_.Frame()});
@@ -266,7 +266,7 @@ TEST_F(ExplainTest, AFrameThatIsNotKeptNamesThoseThatAre) {
   EXPECT_THAT(reply.reason(), HasSubstr("found 100000, expected a frame that is kept: 1 to 120"));
 }
 
-TEST_F(ExplainTest, WhoFollowsGetsWhatCameSinceTheLastReply) {
+TEST_F(ExplainTest, AFollowingClientGetsTheFramesSinceTheLastReply) {
   Begin();
   v1::Request request;
   request.set_performer("rig.a");
