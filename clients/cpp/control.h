@@ -98,7 +98,7 @@ class Control {
   CallStatus ImportStyle(const v1::ImportStyle& file, v1::LikeReply* out = nullptr);
   CallStatus RenameStyle(std::string_view name, std::string_view to, Applied* applied = nullptr);
   CallStatus RemoveStyle(std::string_view name, Applied* applied = nullptr);
-  // What became of a performer's last frames, and why.
+  // The fates of a performer's last frames, with their causes.
   CallStatus Explain(std::string_view performer, const v1::Explain& which, v1::ExplainReply* out);
   // A small moving figure of any style.
   CallStatus Preview(std::string_view style, v1::PreviewReply* out);

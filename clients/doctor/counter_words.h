@@ -5,8 +5,8 @@
 
 namespace styled::doctor {
 
-// What daemon/OPERATING.md says about a counter: the page itself is in the program, so that both
-// say the same (clients/doctor/embed.cmake).
+// The text of daemon/OPERATING.md about a counter. The page is embedded in the program, so that
+// both give the same text (clients/doctor/embed.cmake).
 struct CounterWords {
   bool known = false;           // the page has a row for it
   bool trouble = false;         // its growth is logged

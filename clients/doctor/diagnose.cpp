@@ -86,7 +86,7 @@ void Examination::Daemon() {
   if (daemon.state == DaemonFacts::State::kGarbled) {
     return say("not_a_daemon", "The program at " + daemon.endpoint + " is not a styled daemon.",
                daemon.holder ? "The port is held by " + Holder(*daemon.holder) + "." : "",
-               "Give the daemon's control address with --endpoint; it stands in styled.toml "
+               "Give the daemon's control address with --endpoint; it is in styled.toml "
                "under [control] address.");
   }
   if (!daemon.elsewhere.empty()) {
@@ -123,7 +123,7 @@ void Examination::Source(const SourceFacts& source) {
   const Evidence evidence = EvidenceOf(source);
   if (!Arrival(source, evidence)) return;
   if (!Content(source, evidence)) return;
-  // A face, or fingers, are merged into a performer of another source, whose frames are judged
+  // A face or fingers are merged into a performer of another source, whose frames are checked
   // there.
   const bool is_part = Row(source.expected.format).face_only || !source.expected.merge_into.empty();
   if (source.in_daemon && !is_part) Frames(source, evidence);
@@ -187,7 +187,7 @@ void Examination::Unclaimed() {
 }
 
 // The keys that a source of that format needs in addition, because it has no body: the performer
-// who gets the face.
+// that gets the face.
 std::string Examination::MergeInto(Format format) const {
   if (!Row(format).face_only) return "";
   const auto& performers = facts_.daemon.after.stats().performers();
@@ -294,7 +294,7 @@ void Examination::KernelDrops() {
   if (!reported && counted > 0) say(nullptr, counted);
 }
 
-// The last step: who receives the daemon's messages, and whether a style is set.
+// The last step: whether clients receive the daemon's messages, and whether a style is set.
 void Examination::Listeners() {
   if (!facts_.daemon_answers()) return;
   const v1::Stats& stats = facts_.daemon.after.stats();

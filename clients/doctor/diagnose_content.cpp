@@ -1,4 +1,4 @@
-// Steps "format" to "frames": what arrives, and how the daemon uses it.
+// Steps "format" to "frames": the data that arrives, and how the daemon uses it.
 #include <array>
 
 #include "clients/doctor/examination.h"
@@ -24,7 +24,7 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
   if (own > 0) {
     if (10 * (tally.Count() - own) > own) {
       Report(Severity::kWarning, Step::kFormat, &source, "mixed_formats",
-             "Beside " + name + " something else arrives at " + PlaceOf(expected) + ".",
+             "Beside " + name + ", other data arrives at " + PlaceOf(expected) + ".",
              CountsOf(tally.Count() - own, tally.Count()) + " datagrams, from " +
                  evidence.Senders() + ": " + tally.Kinds(Format::kUnknown) +
                  tally.Kinds(tally.MainFormat()) + ".",
@@ -38,7 +38,7 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
   if (found == Format::kUnknown) {
     Report(Severity::kProblem, Step::kFormat, &source, "unknown_format",
            "The data for " + Label(source) + " at " + PlaceOf(expected) + " is not " + name +
-               ", nor another format that is known here.",
+               ", nor any other format that the daemon accepts.",
            why, "Check the sender's output settings. " + InTheSender(expected));
     return false;
   }

@@ -11,22 +11,22 @@ namespace styled::doctor {
 namespace {
 
 constexpr RefusalReason kOtherReason{"", "the daemon refuses them",
-                                     "look at the counters of stylectl status"};
+                                     "check the counters of stylectl status"};
 
 const RefusalReason& ReasonOf(std::string_view counter) {
   const RefusalReason* const found = FindRefusalReason(counter);
   return found == nullptr ? kOtherReason : *found;
 }
 
-// As a sentence, with the command that tells of each frame.
+// A full sentence, with the command that explains each frame.
 std::string Sentence(std::string cure, const std::string& performer) {
   cure.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(cure.front())));
-  return cure + ". stylectl explain " + performer + " tells of each frame.";
+  return cure + ". stylectl explain " + performer + " explains each frame.";
 }
 
 }  // namespace
 
-// Frames are published without it; it is needed if machines must agree about the time.
+// Frames are published without synchronization; it is needed if machines must agree about the time.
 void Examination::Clock() {
   if (!facts_.daemon_answers() || !facts_.daemon.after.stats().has_clock()) return;
   const v1::ClockState& clock = facts_.daemon.after.stats().clock();

@@ -229,7 +229,8 @@ std::optional<Sniffed> SniffSlimeVr(Bytes bytes, slimevr::Datagram& datagram) {
   return Sniffed{Format::kSlimeVr, Verdict::kTalk, "state of trackers"};
 }
 
-// Each has a mark of its own: a version and two texts with their lengths; names of expressions.
+// Each format has a recognizable start: a version and two texts with their lengths, or names of
+// expressions.
 std::optional<Sniffed> SniffFace(Bytes bytes) {
   live_link_face::Frame phone;
   const auto result = live_link_face::Decode(bytes, phone);

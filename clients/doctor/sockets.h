@@ -9,7 +9,7 @@
 
 #include "clients/doctor/address.h"
 
-// Which program holds which port of this machine, from /proc.
+// The programs that hold the ports of this machine, from /proc.
 namespace styled::doctor {
 
 // A bound UDP socket or a listening TCP socket.

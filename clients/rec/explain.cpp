@@ -1,4 +1,4 @@
-// explain: what the daemon made of the frames of a recording.
+// explain: the fates of the frames of a recording, and their causes.
 #include "proto/styled/explain.h"
 
 #include <map>

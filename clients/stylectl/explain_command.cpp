@@ -1,4 +1,4 @@
-// explain: what became of a performer's frames, and why.
+// explain: the fates of a performer's frames, and their causes.
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -85,7 +85,7 @@ int Explain(Session& session, const ExplainArguments& arguments) {
 
 void DeclareExplain(Session& session) {
   const auto arguments = std::make_shared<ExplainArguments>();
-  CLI::App* explain = session.AddOnline("explain", "what became of a performer's frames, and why",
+  CLI::App* explain = session.AddOnline("explain", "the fate of a performer's frames, and why",
                                         [&session, arguments] {
                                           arguments->performer = session.performer;
                                           return Explain(session, *arguments);
@@ -94,11 +94,11 @@ void DeclareExplain(Session& session) {
   CLI::Option* sequence = explain->add_option("SEQUENCE", arguments->sequence,
                                               "the frame with this number, as subscribers get it");
   CLI::Option* last =
-      explain->add_option("--last", arguments->last, "so many of the newest, up to 1024")
+      explain->add_option("--last", arguments->last, "number of newest frames, up to 1024")
           ->check(CLI::Range(std::uint32_t{1}, kMost))
           ->capture_default_str()
           ->excludes(sequence);
-  explain->add_flag("--follow", arguments->follow, "go on with what comes, until Ctrl-C")
+  explain->add_flag("--follow", arguments->follow, "continue with new frames, until Ctrl-C")
       ->excludes(sequence)
       ->excludes(last);
 }

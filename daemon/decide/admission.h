@@ -31,8 +31,8 @@ class Admission {
     schedule = runtime::Schedule();
   }
 
-  // See model/base/checkpoint.h. Lateness is measured anew, and the performer is live with the next
-  // frame.
+  // See model/base/checkpoint.h. After a restore, lateness is measured from zero and the performer
+  // is live again with its next frame.
   STYLED_REALTIME void Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
     session.Carry(c, now_ns);
     c(session_has_body, sends_frames);

@@ -15,13 +15,13 @@ Decision Refused(Decision decision, Counter reason) noexcept {
   return decision;
 }
 
-// The sender is the same, and its body stays valid until it sends another.
+// Same sender: its body stays valid until it sends another one.
 void StartWithBody(Admission& admission, bool has_body) noexcept {
   admission.StartSession();
   admission.session_has_body = has_body;
 }
 
-// What the session makes of a frame or body. `reason` is set if it is not the next one.
+// Asks the session for its verdict on a frame or body. Sets `reason` if it is refused.
 Decision Arrive(Admission& admission, const source::SourceFrame& frame, std::int64_t receive_ns,
                 const SessionRules& rules) noexcept {
   Decision decision;
@@ -132,9 +132,9 @@ bool Decider::IsPlausible(const Admission& admission, const source::SourceFrame&
                                      limits_.rules);
 }
 
-// Up to backlog_ns all late frames are published; beyond that only the newest one. If the batch is
-// full, the newest frame may still be waiting. Then only one frame per backlog_ns is published, so
-// that a machine that cannot keep up shows as much as it can.
+// Up to backlog_ns, all late frames are published; beyond it only the newest one. If the batch is
+// full, the newest frame may still be in the socket. Then one frame per backlog_ns is published, so
+// that an overloaded machine still shows some motion.
 bool Decider::PassOver(const Question& question, std::int64_t lateness_ns) const noexcept {
   if (lateness_ns <= limits_.backlog_ns || question.keep_all) return false;
   if (!question.newest) return true;

@@ -9,42 +9,42 @@
 
 namespace styled::decide {
 
-// [performers] of the configuration, as far as a frame's fate depends on it.
+// The settings of [performers] that affect a frame's fate.
 struct Limits {
   SessionRules rules;
-  std::int64_t late_ns = 0;     // from here on a frame is flagged late
-  std::int64_t backlog_ns = 0;  // from here on only the newest frame is published
+  std::int64_t late_ns = 0;     // a later frame is flagged late
+  std::int64_t backlog_ns = 0;  // beyond this, only the newest frame is published
 };
 
-// What a decision about a frame depends on beside the performer's Admission.
+// The input of a decision about one frame, in addition to the performer's Admission.
 struct Question {
   const source::SourceFrame& frame;
   bool has_body = false;        // a body of the performer is known, bound or not,
   std::uint32_t body_crc = 0;   // with this CRC
   std::int64_t receive_ns = 0;  // when the batch was read
   std::int64_t now_ns = 0;
-  bool newest = true;             // no frame of the performer behind it in the batch is newer
+  bool newest = true;             // the batch has no newer frame of the performer
   bool more_waiting = false;      // the batch is full: newer frames may wait in the socket
-  bool keep_all = false;          // late frames are published, however many
+  bool keep_all = false;          // late frames are all published
   std::int64_t last_send_ns = 0;  // of the performer
 };
 
-// Decides what is done with each frame and body: its session and order, its lateness, the backlog.
-// It knows no performer, no clock and no socket: all that it depends on are its arguments and the
+// Decides the fate of each frame and body from its session and order, its lateness and the backlog.
+// It has no access to performers, clocks or sockets: it depends only on its arguments and on the
 // performer's Admission, which it updates. The same datagrams at the same times therefore give the
-// same decisions, in a replay and on a standby. Pipeline thread; allocates nothing. Pinned by
+// same decisions, in a replay and on a standby, too. Pipeline thread; allocates nothing. Pinned by
 // tests/unit/daemon/decide/decider_test.cpp.
 class Decider {
  public:
   explicit Decider(const Limits& limits) : limits_(limits) {}
   void SetLimits(const Limits& limits) { limits_ = limits; }
 
-  // The fate of a frame; FATE_STYLED if the performer takes its pose.
+  // The fate of a frame; FATE_STYLED if the performer accepts its pose.
   STYLED_REALTIME Decision OfFrame(Admission& admission, const Question& question) const noexcept;
-  // The same where the leader has decided already: its decision, on this daemon's Admission.
+  // On a standby: adopts the leader's decision, and updates this daemon's Admission.
   STYLED_REALTIME Decision OfFrame(Admission& admission, const Question& question,
                                    const Decision& leaders) const noexcept;
-  // Whether a body is next; `reason` tells if not.
+  // Whether a body is accepted; if not, `reason` gives the cause.
   STYLED_REALTIME Decision OfBody(Admission& admission, const source::SourceFrame& body,
                                   std::int64_t receive_ns) const noexcept;
   // Whether OfFrame might admit the frame; changes nothing.

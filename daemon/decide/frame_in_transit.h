@@ -12,17 +12,18 @@
 
 namespace styled::decide {
 
-// What is done with a frame or body, and why. A leader's standby gets it and does the same.
+// The fate of a frame or body, and the reason for it. A standby receives the leader's decision and
+// applies it.
 struct Decision {
-  // Why a frame is refused or passed over, by the counter that counts it.
+  // The reason for which a frame is refused or skipped: the counter that counts it.
   static constexpr auto kNoReason = runtime::Counter::kCount;
 
   v1::Fate fate = v1::FATE_REFUSED;
   runtime::Counter reason = kNoReason;
   v1::Restart restart = v1::RESTART_NONE;
   bool late = false;             // published behind schedule: FLAG_LATE
-  bool relieved = false;         // without style, because the machine cannot keep up
-  bool postponed = false;        // a body that a later batch handles, or a frame behind it
+  bool relieved = false;         // without style, because the machine is overloaded
+  bool postponed = false;        // a body left to a later batch, or a frame behind such a body
   std::uint64_t sequence = 0;    // Frame.sequence, if it is styled
   std::uint64_t lost = 0;        // sequence numbers skipped before it
   std::int64_t lateness_ns = 0;  // behind the performer's schedule (runtime::Schedule)
@@ -30,11 +31,11 @@ struct Decision {
 
 inline constexpr std::size_t kLimbs = 5;
 
-// A frame or body on its way from the rig to the subscribers: what came and when, what was decided,
-// and what came out. The pipeline has one for each frame of a batch, from its reading until the
-// batch is logged. Monotonic times are on runtime::Clock::Now_ns(). Pipeline thread.
+// A frame or body on its way from the rig to the subscribers: its input, the decision and its
+// output. The pipeline has one per frame of a batch, from reading the batch until it is logged.
+// Monotonic times are those of runtime::Clock::Now_ns(). Pipeline thread.
 struct FrameInTransit {
-  // As the rig sent it. Null where the performer's last pose is sent again.
+  // As the rig sent it. Null if the performer's last pose is repeated.
   const source::SourceFrame* given = nullptr;
   Decision decision;
 
@@ -42,7 +43,7 @@ struct FrameInTransit {
   std::uint64_t source_sequence = 0, source_time_ns = 0;
   bool has_timecode = false;
   Timecode timecode;
-  std::span<const std::byte> face{};  // what is passed on beside the pose, merged faces included
+  std::span<const std::byte> face{};  // data published beside the pose, merged faces included
 
   std::int64_t elapsed_ns = 0;  // source time in the session
   std::int64_t arrival_ns = 0;  // of its datagram
@@ -54,11 +55,11 @@ struct FrameInTransit {
   std::uint32_t flags = 0;     // v1::Flag, of the rig's topic
   std::uint32_t contacts = 0;  // as stylist::Output::contacts
   v1::Failure failure = v1::FAILURE_NONE;
-  int held_joints = 0, first_held_joint = 0;  // of the rig's joints, how many, and which first
+  int held_joints = 0, first_held_joint = 0;  // number of held joints of the rig, and the first one
   // As in stylist::Output, by stylist::Limb.
   std::array<float, kLimbs> limb_weights{}, limb_errors_m{};
-  // Of the styled pose on the canonical body, with a standby only: its CRC-32C, and the bytes of
-  // its log::RoundedPose, little-endian (a view; empty: there is no pose).
+  // Only with a standby: CRC-32C of the styled pose on the canonical body, and the bytes of its
+  // log::RoundedPose, little-endian (a view; empty: there is no pose).
   std::uint32_t styled_crc = 0;
   std::span<const std::byte> rounded_pose{};
 };

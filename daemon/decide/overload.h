@@ -11,23 +11,23 @@
 
 namespace styled::decide {
 
-// Decides for how many performers the style is left out because the machine cannot keep up: the
-// first rung of the ladder in daemon/README.md. It watches, in windows of a tenth of a second, what
-// share of the time the pipeline would need for all frames, how much of that is styling, and what
-// share of the frames leave later than a period after their arrival, or not at all. All must be
-// high in two windows in a row, so that a machine that stood still for a moment fades no style out.
-// Styles come back one by one, when there has been room for one more for some time; that time
-// doubles with each return that was too early. Pipeline thread; reads no clock, allocates nothing.
-// Pinned by tests/unit/daemon/overload_test.cpp.
+// Decides for how many performers the style is left out because the machine is overloaded: the
+// first step of the ladder in daemon/README.md. In windows of 0.1 s it measures three shares: the
+// load (time needed for all frames), the styling within it, and the frames that leave later than
+// one period after their arrival or not at all. All three must be high in two successive windows,
+// so that a short interruption of the machine fades out no style. Styles return one by one, after
+// there has been room for one more for some time. This time doubles after each return that was too
+// early. Pipeline thread; reads no clock, allocates nothing. Pinned by
+// tests/unit/daemon/overload_test.cpp.
 class Overload {
  public:
-  // Frames that were handled together.
+  // Frames that were processed together.
   struct Batch {
-    std::int64_t busy_ns = 0;     // from their reading to the end of sending
-    std::int64_t styling_ns = 0;  // of it in the stylist
+    std::int64_t busy_ns = 0;     // from reading them to the end of sending
+    std::int64_t styling_ns = 0;  // the part of it in the stylist
     std::size_t sent = 0;
-    std::size_t late = 0;     // of those, later than their period
-    std::size_t dropped = 0;  // not sent because they had waited for longer than that
+    std::size_t late = 0;     // those that left later than their period
+    std::size_t dropped = 0;  // those not sent because they had waited longer than that
   };
   STYLED_REALTIME void Add(const Batch& batch) noexcept {
     sum_.busy_ns += batch.busy_ns;
@@ -37,10 +37,10 @@ class Overload {
     sum_.dropped += batch.dropped;
   }
 
-  // Whether a window has ended, so that Decide is to be called.
+  // Whether a window has ended, so that Decide must be called.
   bool due(std::int64_t now_ns) const noexcept { return now_ns - window_ns_ >= kWindow_ns; }
   // `styled` and `relieved`: how many live performers run through the network and how many do not.
-  // Returns how many more to relieve (> 0), or how many to give their style back (< 0).
+  // Returns how many more to relieve (> 0), or how many styles to restore (< 0).
   int Decide(std::int64_t now_ns, int styled, int relieved) noexcept {
     const auto share = [](auto part, auto all) {
       return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
@@ -57,13 +57,13 @@ class Overload {
       room_since_ns_ = now_ns;
       if (++full_windows_ < kFullWindows || styled == 0) return 0;
       full_windows_ = -kFades;
-      // What came back was too much: wait longer before the next try.
+      // The last restored style was too much: wait longer before the next try.
       if (now_ns - restored_ns_ < kTooSoon_ns) wait_ns_ = std::min(2 * wait_ns_, kLongestWait_ns);
       const double enough = std::ceil(styled * (1 - kAim / load_) / styling);
       return std::clamp(static_cast<int>(enough), 1, std::max(1, styled / 2));
     }
     full_windows_ = 0;
-    // One more performer costs about as much as each of those who are styled.
+    // One more performer costs about as much as each styled one.
     const double more = styled > 0 ? load_ / styled : 0;
     if (relieved == 0 || load_ + more > kAim || late >= kLate) {
       room_since_ns_ = now_ns;
@@ -75,7 +75,8 @@ class Overload {
     restored_ns_ = now_ns;
     return -1;
   }
-  // What share of the last window all its frames need; above 1 where some were dropped.
+  // The time needed for all frames of the last window, as a share of the window; above 1 if frames
+  // were dropped.
   double load() const noexcept { return load_; }
 
   static constexpr std::int64_t kWindow_ns = runtime::kSecond_ns / 10;
@@ -88,12 +89,12 @@ class Overload {
   static constexpr double kLate = 0.1;
   static constexpr double kStyling = 0.3;  // less styling would not help
   static constexpr int kFullWindows = 2;
-  static constexpr int kFades = 2;  // windows in which styles fade and still take their time
+  static constexpr int kFades = 2;  // windows during which styles fade and still cost their time
   static constexpr std::int64_t kTooSoon_ns = 5 * runtime::kSecond_ns;
 
   std::int64_t window_ns_ = 0;  // when the window began
   Batch sum_;
-  double frame_ns_ = 0;   // that a frame takes
+  double frame_ns_ = 0;   // cost of one frame
   int full_windows_ = 0;  // in a row
   std::int64_t room_since_ns_ = 0;
   std::int64_t restored_ns_ = -2 * kLongestWait_ns;

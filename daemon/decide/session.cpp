@@ -8,13 +8,14 @@ constexpr std::uint64_t kWindow = 64;
 constexpr std::uint64_t kHour_ns = 3600ULL * 1'000'000'000;
 // Shortest interval between two datagrams of one performer.
 constexpr std::uint64_t kFastest_ns = 1'000'000;
-// Each arrived datagram permits so many counted losses: even an overload loses less than half.
+// Number of losses that each arrival allows to be counted. An overload loses fewer: less than half
+// of all datagrams.
 constexpr std::uint64_t kLosable = 4;
 constexpr std::int64_t kLongestPatience_ns = 10'000'000'000;
-// A longer session starts its time anew, long before the counter overflows: 146 years.
+// Beyond this duration the session's time restarts, long before the counter overflows: 146 years.
 constexpr std::uint64_t kLongestSession_ns = 1ULL << 62U;
 
-// The largest plausible step of the sequence after such a silence.
+// The largest plausible step of the sequence after a silence of this length.
 std::uint64_t MostAhead(std::int64_t silence_ns) noexcept {
   return Session::kFarAhead +
          static_cast<std::uint64_t>(std::max<std::int64_t>(0, silence_ns)) / kFastest_ns;

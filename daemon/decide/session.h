@@ -66,8 +66,9 @@ class Session {
   // Judges a frame's source time. After kJump, time is counted from this frame.
   STYLED_REALTIME Time AdmitTime(std::uint64_t source_time_ns, const SessionRules& rules) noexcept;
 
-  // The performer's datagrams come from another place from now on, or were numbered by another
-  // program: the last one has these numbers there. The state goes on.
+  // From now on the performer's datagrams have other numbers: they come from another machine, or
+  // another program assigned the numbers. The arguments are the new numbers of the last accepted
+  // frame. The state continues.
   STYLED_REALTIME void GoOnAs(const source::Machine& machine, std::uint64_t session,
                               std::uint64_t sequence, std::uint64_t source_time_ns) noexcept {
     machine_ = machine;
@@ -91,8 +92,8 @@ class Session {
   // Arrival of the last datagram that was kNext, kNewSession or kRecounted.
   std::int64_t last_arrival_ns() const { return last_arrival_ns_; }
 
-  // See model/base/checkpoint.h. To the reader the last datagram has arrived at `now_ns`: the
-  // clocks of two daemons have nothing to do with each other.
+  // See model/base/checkpoint.h. After a restore the last datagram counts as arrived at `now_ns`,
+  // because the clocks of two daemons are unrelated.
   STYLED_REALTIME void Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
     c(live_, timed_, machine_, session_, newest_, seen_, stray_);
     c.Within(strays_, 0, kConsistent);

@@ -24,7 +24,7 @@ constexpr double kHipsPerMetre = 10'000;
 static_assert(sizeof(RoundedPose) == sizeof(RoundedPose::rotations) + sizeof(RoundedPose::hips),
               "its bytes are those of the journal");
 
-// What is not finite becomes 0.
+// Replaces values that are not finite by 0.
 template <typename T>
 T RoundTo(double value, double most) noexcept {
   return std::isfinite(value) ? static_cast<T>(std::lround(std::clamp(value, -most, most))) : T{0};

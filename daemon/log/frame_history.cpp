@@ -16,7 +16,7 @@ using runtime::Counter;
 
 static_assert(static_cast<int>(Counter::kCount) <= std::numeric_limits<std::uint8_t>::max());
 
-// The largest number where `value` is larger, and 0 where it is less or none.
+// Limits `value` to the range of T; NaN gives the smallest value.
 template <typename T>
 T Saturated(double value) noexcept {
   constexpr auto kMost = static_cast<double>(std::numeric_limits<T>::max());
@@ -108,7 +108,7 @@ void FrameHistory::Add(const FrameInTransit& frame) noexcept {
 }
 
 void FrameHistory::NoteSent(std::uint64_t sequence, std::int64_t latency_ns) noexcept {
-  // A batch has no more frames than that.
+  // A batch has at most this many frames.
   constexpr std::size_t kNear = 64;
   for (std::size_t back = 1; back <= std::min(size_, kNear); ++back) {
     Row& row = rows_[(next_ + kKept - back) % kKept];

@@ -11,13 +11,12 @@
 
 namespace styled::log {
 
-// Fills a FrameFate with all that the frame tells of itself, but for `performer`, `period_ms`,
-// `held_joint` and `text`. Allocates where the message has no room yet.
+// Fills a FrameFate with the frame's own data, except for `performer`, `period_ms`, `held_joint`
+// and `text`. Allocates if the message has no room yet.
 void FillFate(const decide::FrameInTransit& frame, v1::FrameFate& fate);
 
-// What became of the last frames of one performer, for who asks why (v1::Explain). 64 kB, allocated
-// at construction; one per performer, pipeline thread. Pinned by
-// tests/unit/daemon/log/frame_history_test.cpp.
+// The fates of one performer's last frames, for v1::Explain. 64 kB, allocated at construction; one
+// per performer, pipeline thread. Pinned by tests/unit/daemon/perform/explain_test.cpp.
 class FrameHistory {
  public:
   // 8.5 s at 120 Hz, as long as a sender's numbers may jump (decide::Session::kFarAhead).
@@ -25,13 +24,13 @@ class FrameHistory {
 
   FrameHistory();
   STYLED_REALTIME void Add(const decide::FrameInTransit& frame) noexcept;
-  // The last message of the frame published as `sequence` has left later than Add was told.
+  // The last message of the frame published as `sequence` left later than Add recorded.
   STYLED_REALTIME void NoteSent(std::uint64_t sequence, std::int64_t latency_ns) noexcept;
 
   std::size_t size() const { return size_; }
-  // Number `i`, 0 the oldest. As FillFate.
+  // Describes frame number `i`; 0 is the oldest. See FillFate.
   void Fill(std::size_t i, v1::FrameFate& fate) const;
-  // Index into the joints of the performer's body; of number `i`.
+  // The first held joint of frame number `i`: index into the joints of the performer's body.
   int FirstHeldJoint(std::size_t i) const { return At(i).first_held; }
   std::uint64_t SequenceOf(std::size_t i) const { return At(i).sequence; }
   std::int64_t ArrivalOf(std::size_t i) const { return At(i).arrival_ns; }

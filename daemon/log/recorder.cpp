@@ -105,16 +105,16 @@ void Recorder::OnFrames(int source, std::span<const decide::FrameInTransit> fram
                         std::int64_t receive_ns, std::int64_t /*wall_ns*/) {
   if (Paused()) return;
   const auto at = static_cast<std::size_t>(source);
-  decided_.Clear();
-  decided_.set_source(source_names_[at]);
+  fates_.Clear();
+  fates_.set_source(source_names_[at]);
   for (const decide::FrameInTransit& frame : frames) {
     if (frame.decision.postponed) continue;
-    v1::FrameFate& fate = *decided_.add_frames();
+    v1::FrameFate& fate = *fates_.add_frames();
     fate.set_performer(source_names_[at] + ".");
     fate.mutable_performer()->append(frame.given->performer);
     FillFate(frame, fate);
   }
-  if (decided_.frames_size() > 0) (void)thread_->PushDecided(receive_ns, decided_);
+  if (fates_.frames_size() > 0) (void)thread_->PushDecided(receive_ns, fates_);
 }
 
 void Recorder::OnReload(std::int64_t now_ns, std::string_view weights) {

@@ -19,10 +19,10 @@
 
 namespace styled::log {
 
-// Whether a request changes something where it succeeds.
+// Whether a successful request changes something.
 bool Changes(const v1::Request& request);
 
-// What the header of a recording contains about the daemon that made it.
+// Data about the daemon, for the header of its recording.
 struct About {
   std::string config;                 // text of the configuration file and of the overrides
   std::string weights, weights_hash;  // names and hashes of the weights files
@@ -43,7 +43,7 @@ class Recorder final : public Writer {
 
   // Pipeline thread, or before it starts.
   STYLED_REALTIME void OnArrival(const source::Arrival& arrival) noexcept override;
-  // A request that was answered; recorded only if it changed something. Allocates.
+  // These allocate. OnRequest records only requests that changed something.
   void OnFrames(int source, std::span<const decide::FrameInTransit> frames, std::int64_t receive_ns,
                 std::int64_t wall_ns) override;
   void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply) override;
@@ -77,7 +77,7 @@ class Recorder final : public Writer {
   std::uint64_t min_free_bytes_;
   std::unique_ptr<recording::RecordingThread> thread_;
   std::vector<std::string> source_names_;
-  recording::Decided decided_;       // refilled for each batch, so that it keeps its memory
+  recording::Decided fates_;         // refilled for each batch, so that it keeps its memory
   std::atomic<bool> paused_{false};  // the disk is too full
   std::atomic<std::uint64_t> skipped_{0};
   std::string last_complaint_;  // files thread

@@ -13,18 +13,18 @@
 
 namespace styled::log {
 
-// Writes what the pipeline handles, in the order in which it does, for who performs it again: a
-// recording (recorder.h) or a standby (standby/state_sender.h). Times are on the pipeline's clocks.
-// Pipeline thread; only OnArrival is free of allocations.
+// Interface of a log: receives all input of the pipeline in order, so that a reader can process it
+// again. A recording (recorder.h) or the journal for a standby (standby/state_sender.h). Times are
+// on the pipeline's clocks. Pipeline thread; only OnArrival is free of allocations.
 class Writer {
  public:
   virtual ~Writer() = default;
-  // A datagram arrived, before it is translated.
+  // A datagram arrived; it is not decoded yet.
   STYLED_REALTIME virtual void OnArrival(const source::Arrival& /*arrival*/) noexcept {}
-  // Frames and bodies of one source were handled together.
+  // Frames and bodies of one source were processed together.
   virtual void OnFrames(int /*source*/, std::span<const decide::FrameInTransit> /*frames*/,
                         std::int64_t /*receive_ns*/, std::int64_t /*wall_ns*/) {}
-  // Performers fell silent, or were forgotten.
+  // Performers fell silent or were forgotten.
   virtual void OnSilence(std::int64_t /*now_ns*/, const v1::Silence& /*silence*/) {}
   // A request was answered.
   virtual void OnRequest(std::int64_t /*now_ns*/, const v1::Request& /*request*/,
@@ -33,7 +33,7 @@ class Writer {
   virtual void OnReload(std::int64_t /*now_ns*/, std::string_view /*weights*/) {}
 };
 
-// All writers of this daemon; each must outlive it.
+// Passes each event to all writers of this daemon. Writers must outlive it.
 class Log final : public Writer {
  public:
   void Add(Writer* writer) {

@@ -18,12 +18,12 @@ namespace styled::pipeline {
 namespace {
 
 constexpr std::uint32_t kCheckpointVersion = 3;  // 2: without posture; 1: without neutral
-constexpr std::size_t kQuoted = 80;              // bytes of a name that a reason quotes
-// Far beyond any show: at 120 Hz it is reached after a thousand million years. Above it, counting
-// on would wrap around, and subscribers would drop every frame as an old one.
+constexpr std::size_t kQuoted = 80;              // shown bytes of a name, in a reason
+// Beyond any real number: at 120 Hz it is reached after a thousand million years. A larger number
+// could wrap around, and subscribers would drop every frame as an old one.
 constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 62U;
 
-// Ends the state, so that a damaged file is not taken for a motion.
+// Appended to the state, so that a damaged file is detected.
 std::array<std::byte, 4> Checksum(std::span<const std::byte> state) {
   return std::bit_cast<std::array<std::byte, 4>>(Crc32c(state));
 }
@@ -154,7 +154,7 @@ Status GiveState(const v1::Checkpoint& checkpoint, const RuntimeConfig& config, 
   performer.Carry(reader, now_ns);
   if (reader.complete()) return Status::Ok();
   return Status::Error(
-      "its state is not as expected: it was made with another [stylist], or with fingers of other "
+      "its state does not fit: it was made with another [stylist], or with fingers of other "
       "sources");
 }
 
@@ -205,8 +205,9 @@ Result<Performer*> RestoreCheckpoint(const std::string& to, const v1::Checkpoint
   }
   if (fresh) performer->SetFingers(layers.FingersOf(id));
   Profile& profile = performer->profile;
-  // The state is read into the performer itself: what is not as expected must leave no trace. A
-  // performer who waits for a calibration comes again with their next body.
+  // The state is read into the performer itself, so after an error the state before must be
+  // restored. A performer that waits for a calibration has no such state: it is forgotten, and
+  // returns with its next body.
   std::optional<v1::Checkpoint> before;
   if (!fresh && performer->binding().bound()) before = StateOf(*performer, config, now_ns);
   const auto exchange = [&profile](Profile& other) {
@@ -226,7 +227,7 @@ Result<Performer*> RestoreCheckpoint(const std::string& to, const v1::Checkpoint
     return Bad(status.message());
   }
   profile.configured = true;
-  // Never back: subscribers take a frame of an old number for one that comes late.
+  // The number never decreases: subscribers drop frames with lower numbers as reordered ones.
   profile.next_sequence = std::max(profile.next_sequence, checkpoint.sequence());
   roster.NoteNamed(profile);
   return performer;

@@ -9,7 +9,7 @@
 namespace styled::pipeline {
 namespace {
 
-// Most bytes of a name that a reason quotes. The text must be valid UTF-8, or clients cannot parse
+// Shown bytes of a name, in a reason. The text must be valid UTF-8; otherwise clients cannot parse
 // the reply.
 constexpr std::size_t kShown = 80;
 
@@ -48,12 +48,12 @@ bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
       break;
     case v1::Request::kStatus:
       return false;
-    case v1::Request::kCalibrate:  // these are handled by the pipeline
+    case v1::Request::kCalibrate:  // handled by the pipeline
     case v1::Request::kTakeCheckpoint:
     case v1::Request::kRestoreCheckpoint:
     case v1::Request::kLead:
     case v1::Request::kExplain:
-    case v1::Request::kLike:  // these by the files thread
+    case v1::Request::kLike:  // handled by the files thread
     case v1::Request::kPreview:
     case v1::Request::kExportStyle:
     case v1::Request::kImportStyle:
@@ -200,7 +200,7 @@ Status Commands::ChangeLooks(const std::string& performer, const v1::Look& chang
     changed.emplace_back(&profile, std::move(look));
     return Status::Ok();
   };
-  // All checks come before any change, so that either all targets change or none.
+  // All checks precede all changes, so that either all targets change or none.
   for (Profile* profile : targets.profiles) {
     Status status = add(*profile);
     if (status.ok()) continue;

@@ -11,8 +11,8 @@
 
 namespace styled::pipeline {
 
-// Returns the request that shows a style which was just made: its Like names the performers. Empty
-// where it names nobody.
+// Returns the request that shows a newly made style to the performers that its Like names. Empty if
+// it names no performer.
 std::optional<v1::Request> SetThatShows(const v1::Request& like);
 
 // Executes control requests (control.proto) between frames, on the pipeline thread. A request is
@@ -24,12 +24,11 @@ class Commands {
   // Fills the reply's code, reason and result. Returns false for GetStatus, which the pipeline
   // answers.
   bool Apply(const v1::Request& request, v1::Reply& reply);
-  // Does the rest of a Like after the files thread has made the style: gives it to the performers
-  // that the request names.
-  // Nothing for other requests.
+  // Completes a Like after the files thread has made the style: sets the style for the performers
+  // that the request names. Ignores other requests.
   void Show(const v1::Request& request, v1::Reply& reply);
-  // The part of RenameStyle and RemoveStyle that is the looks': of performers, live or not, and of
-  // those to come. Call before the configuration is taken over. Nothing for other requests.
+  // Applies RenameStyle and RemoveStyle to the looks of all performers, present and future. Call
+  // before the configuration is adopted. Ignores other requests.
   void FollowStyles(const v1::Request& request, v1::Reply& reply);
   // Fires the cues that the performer's timecode passed since its last frame; they take effect with
   // the current frame. Returns a text for the log that names them; "": there was none.

@@ -10,7 +10,7 @@
 
 namespace styled::pipeline {
 
-// Passes the pipeline's log lines to the supervisor, which writes them. Never blocks: a line that
+// Sends the pipeline's log lines to the supervisor, which writes them. Never blocks: a line that
 // finds the mailbox full is dropped and counted. Pipeline thread, outside the hot section;
 // allocates.
 class EventLog {
@@ -20,7 +20,7 @@ class EventLog {
       : clock_(clock), counters_(counters), mailboxes_(mailboxes) {}
 
   void Log(Event::Level level, std::string text);
-  // The same within the limit of the line's kind and performer. `sender`: the machine that caused
+  // The same, limited per kind of line and performer (LogLimit). `sender`: the machine that caused
   // the line; all zeros: none.
   void LogOf(LogLimit::Kind kind, const source::Machine& sender, const std::string& performer,
              Event::Level level, std::string text);

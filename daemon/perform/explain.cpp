@@ -10,11 +10,11 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::size_t kShownName = 80;  // bytes of a name that a reason quotes
-// A reply stays within a megabyte.
+constexpr std::size_t kShownName = 80;  // shown bytes of a name, in a reason
+// Limits a reply to a megabyte.
 constexpr std::size_t kMostExplained = log::FrameHistory::kKept;
 
-// What the sources count of performers who are not here: why nothing is known of them.
+// Why a performer is unknown, according to the counters of the sources.
 std::string WhyNobody(const Performance& performance) {
   using runtime::Counter;
   const auto count = [&](Counter counter) { return performance.counters.Get(counter); };
@@ -30,10 +30,10 @@ std::string WhyNobody(const Performance& performance) {
   if (count(Counter::kPipelineBeforeBody) > 0) {
     return "frames came without a skeleton: let the rig send it";
   }
-  return "nobody of this name sends";
+  return "no performer of this name sends";
 }
 
-// Which frames the request asks for: [first, last).
+// The requested frames: [first, last).
 struct Range {
   std::size_t first = 0, last = 0;
 };

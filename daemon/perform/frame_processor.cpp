@@ -29,9 +29,11 @@ std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
   }
   const std::int64_t elsewhere_ns = performance_.stages.Elsewhere_ns();
   const std::int64_t styling_ns = performance_.stages.Spent_ns(Stages::kStyle);
-  // 1 Examine all frames, to find each performer's newest one.
+  // 1 Find the newest frame of each performer: a backlog publishes only that one.
   for (std::size_t at = 0; at < transit.size(); ++at) NoteNewest(batch.source, at);
-  // 2 Process them in order and send them. Frames of different performers are styled together.
+  // 2 Process frames and bodies in order, and send them. Frames of different performers are styled
+  // together. A body ends the group, because binding it changes the performer and leaves the hot
+  // section.
   for (std::size_t at = 0; at < transit.size(); ++at) {
     const source::SourceFrame& frame = batch.frames[at];
     const bool behind = !postponed_.empty() && postponed_.Has(batch.source, frame.performer);
@@ -50,14 +52,14 @@ std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
     }
   }
   StyleAccepted(hot);
-  // 3 Measure how long they took, and log what became of them.
+  // 3 Send the bundles, measure latencies and log the fates.
   MeasureLatencies(batch, performance_.SendBundles());
   for (const auto& performer : performance_.roster.performers) performer->newest_in_batch = -1;
   performance_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
   load_.busy_ns = performance_.clock.Now_ns() - receive_ns_;
   load_.styling_ns = performance_.stages.Spent_ns(Stages::kStyle) - styling_ns;
   performance_.overload.Add(load_);
-  // kTake gets the part of the batch's time that no other stage accounts for.
+  // kTake gets the part of the batch's time that no other stage measures.
   performance_.stages.Add(Stages::kTake,
                           load_.busy_ns - (performance_.stages.Elsewhere_ns() - elsewhere_ns));
   return transit;
@@ -77,7 +79,7 @@ void FrameProcessor::ProcessLayer(Layer& layer, const Batch& batch, runtime::Hot
   hot.Leave();
 }
 
-// A source without fingers says so once a body, not with every frame.
+// Reports a source without fingers once per body, not with every frame.
 void FrameProcessor::AcceptLayerBody(FingerLayer& fingers, int source,
                                      const source::SourceFrame& body) {
   const auto accepted = fingers.AcceptBody(body, receive_ns_);
@@ -98,7 +100,7 @@ void FrameProcessor::NoteNewest(int source, std::size_t at) noexcept {
   Performer* const performer = performance_.roster.Find(source, frame.performer);
   whose_[at] = performer;
   if (performer == nullptr) return;
-  // A frame that will not be admitted must not count as newer than one that will.
+  // A frame that will be refused must not replace the newest one.
   if (!performance_.decider.IsPlausible(performer->admission, frame, receive_ns_)) return;
   int& newest = performer->newest_in_batch;
   if (newest >= 0) {  // a later duplicate or old frame is not newer
@@ -108,8 +110,9 @@ void FrameProcessor::NoteNewest(int source, std::size_t at) noexcept {
   newest = static_cast<int>(at);
 }
 
-// Whether a body, or a frame `behind` one of its performer that waits, waits for a later turn. A
-// standby binds when its leader did, and on a replay's clock nothing takes time.
+// Whether a body waits for a later turn, or a frame that is `behind` a waiting body. On a standby
+// no body waits: it binds when its leader did. On a replay's clock binding takes no time, so none
+// waits there.
 bool FrameProcessor::Postpones(const Batch& batch, const source::SourceFrame& frame, bool behind) {
   if (!frame.is_body) return postponed_.Add(batch.source, frame);
   if (batch.keep_all || !batch.leaders.empty()) return false;
@@ -125,7 +128,8 @@ bool FrameProcessor::Postpones(const Batch& batch, const source::SourceFrame& fr
 
 int FrameProcessor::DoPostponed() {
   postponed_.BeginTurn();
-  if (postponed_.empty()) return 0;  // nearly always; even an empty deque allocates when it is made
+  // Returns early because even an empty deque allocates when it is made.
+  if (postponed_.empty()) return 0;
   int work = 0;
   auto waiting = postponed_.Pop();
   for (; !waiting.empty() && !postponed_.spent(); ++work) {
@@ -147,9 +151,11 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
     return performance_.counters.AddOf(batch.source, transit.decision.reason);
   }
   Performer& performer = *whose_[at];
-  // 1 A performer's second frame ends the group that is styled together.
+  // 1 Make room in the group that is styled together, which has one frame per performer: its second
+  // frame needs the state after its first one.
   MakeWay(performer, hot);
-  // 2 Decide.
+  // 2 Decide the fate. Losses and restarts count even if the frame is refused, because they
+  // describe the frames before it.
   Decision& decision = transit.decision;
   decision = Decide(batch, at, performer);
   CountArrival(performer, decision);
@@ -165,13 +171,16 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
     return performer.history.Add(transit);  // not a refusal: the newest frame is sent
   }
   if (decision.reason != Decision::kNoReason) return Refuse(performer, transit);
-  // The leader refused it. The pose of a performer who waits for a calibration is only remembered.
+  // A standby drops a frame that the leader refused. Exception: a performer that waits for a
+  // calibration, because Accept stores its pose, which the calibration needs.
   if (decision.fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
+  // A standby takes sequence and relief from the leader, so that its output has the same bits.
   if (decision.fate == v1::FATE_STYLED && !batch.leaders.empty()) {
     performer.profile.next_sequence = decision.sequence;
     performer.Relieve(decision.relieved);
   }
-  // 3 Hand the pose over.
+  // 3 Accept the pose. Cues come first, because they apply from this frame on. The face is a view,
+  // which Accept copies.
   if (frame.has_timecode && !performance_.roster.config().cues.empty()) {
     PassCues(performer, frame.timecode, hot);
   }
@@ -194,7 +203,7 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
   if (decision.late) performance_.counters.Add(Counter::kPipelineLate);
 }
 
-// Styles the group where it is full or has a frame of the performer already.
+// Styles the group if it is full or has a frame of this performer.
 void FrameProcessor::MakeWay(const Performer& performer, runtime::HotSection& hot) {
   const auto group = std::span(accepted_).first(accepted_count_);
   if (group.size() < accepted_.size() && std::ranges::find(group, &performer) == group.end()) {
@@ -218,7 +227,7 @@ Decision FrameProcessor::Decide(const Batch& batch, std::size_t at, Performer& p
   return performance_.decider.OfFrame(performer.admission, question, batch.leaders[at].decision);
 }
 
-// What a datagram tells of those before it, whatever becomes of it.
+// Counts the losses and restarts that a datagram reveals, whatever its fate.
 void FrameProcessor::CountArrival(Performer& performer, const Decision& decision) noexcept {
   if (decision.lost > 0) {
     performance_.counters.AddOf(performer.source, Counter::kPipelineLost, decision.lost);
@@ -253,7 +262,7 @@ void FrameProcessor::FillFrame(const Performer& performer, FrameInTransit& trans
   transit.flags = transit.decision.late ? v1::FLAG_LATE : v1::FLAG_NONE;
 }
 
-// Most frames pass no cue and stay in the hot section.
+// Most frames fire no cue and stay in the hot section.
 void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
                               runtime::HotSection& hot) {
   const std::int64_t now = TimecodeLabel(timecode);
@@ -276,7 +285,7 @@ void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
   hot.Enter();
 }
 
-// Styles and sends the accepted frames. Leaves the hot section.
+// Styles and sends the group of accepted frames, and empties it. Leaves the hot section.
 void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
   const auto group = std::span(accepted_).first(accepted_count_);
   if (group.empty()) return hot.Leave();
@@ -299,7 +308,7 @@ void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
   for (std::size_t i = 0; i < group.size(); ++i) {
     group[i]->Send(performance_.publisher, performance_.bundles, sent_ns);
     sent_ns = performance_.clock.Now_ns();
-    // The performer has filled its copy of the frame; what is lent here is not in it.
+    // The performer's copy has the results, but not the views into this batch and the decision.
     FrameInTransit& transit = transit_[accepted_at_[i]];
     const source::SourceFrame* const given = transit.given;
     const bool relieved = transit.decision.relieved;
@@ -328,8 +337,9 @@ void FrameProcessor::LogPoses(std::span<Performer* const> performers) {
   }
 }
 
-// A prop of the scene that one performer holds is not in the frames of the others: it would be
-// there twice. It comes and goes where it is let go, and there it is in the same place for all.
+// A prop of the scene that one performer holds is left out of the other performers' frames, so that
+// it is not shown twice. It disappears and reappears where it is picked up and put down: there it
+// is in the same place for all.
 void FrameProcessor::ShareProps(Performer& performer) noexcept {
   if (!performer.shares_props()) return;
   for (const auto& other : performance_.roster.performers) {
@@ -338,8 +348,8 @@ void FrameProcessor::ShareProps(Performer& performer) noexcept {
   }
 }
 
-// A frame has left when its last message has: with `bundled`, that of the whole batch. What a
-// standby repeats leaves nowhere.
+// A frame has left when its last message has: with `bundled`, the bundle of the whole batch. A
+// standby sends nothing, so it measures nothing.
 void FrameProcessor::MeasureLatencies(const Batch& batch, bool bundled) noexcept {
   if (!batch.leaders.empty()) return;
   const std::int64_t now_ns = performance_.clock.Now_ns();
@@ -368,7 +378,8 @@ void FrameProcessor::ProcessBody(int source, FrameInTransit& transit) {
   const bool fresh = performer == nullptr;
   if (fresh) {
     performer = performance_.roster.Add(source, body.performer, receive_ns_);
-    // Another performer may have been replaced, and its frames may still be in this batch.
+    // Add may have replaced another performer that still has frames in this batch: look them all up
+    // again.
     whose_.fill(nullptr);
   }
   if (performer == nullptr) {
@@ -395,7 +406,7 @@ void FrameProcessor::AdoptBody(Performer& performer, FrameInTransit& transit, bo
   if (!performer.binding().has_body() || body.body_crc != performer.binding().crc()) {
     if (performer.binding().has_body() && !performer.admission.MayChangeBody(receive_ns_)) {
       return complain(
-          "the body changes again and again, expected twice a second at most: the last one stays");
+          "the body changes too often, expected at most twice a second: the last one stays");
     }
     const Status status = performer.AcceptBody(body, performance_.roster.config());
     if (!status.ok()) {

@@ -18,20 +18,21 @@
 
 namespace styled::pipeline {
 
-// Frames and bodies of one source that are handled together, at most source::kBatch.
+// Frames and bodies of one source that are processed together, at most source::kBatch.
 struct Batch {
   int source = 0;
   std::span<const source::SourceFrame> frames;
   bool more_waiting = false;  // the source's socket may hold newer frames
-  bool keep_all = false;      // no frame is passed over, and no body waits for a later turn
-  // What the leader made of each: a standby does the same. Empty: the frames are decided here.
+  bool keep_all = false;      // no frame is skipped, and no body waits for a later turn
+  // On a standby: the leader's decision for each frame. Empty: this daemon decides.
   std::span<const decide::FrameInTransit> leaders{};
 };
 
-// Brings frames from the rig to the subscribers: each is decided (decide::Decider), styled together
-// with those of other performers, serialized and sent; bodies are bound. From a performer's second
-// frame on nothing between receive and zmq_send allocates, locks, logs or throws (tests/realtime).
-// Pipeline thread. Pinned by tests/unit/daemon/pipeline/pipeline_test.cpp and tests/golden.
+// Processes frames from the rig to the subscribers: each frame is decided (decide::Decider), styled
+// together with those of other performers, serialized and sent; bodies are bound. From a
+// performer's second frame on, nothing between receive and zmq_send allocates, locks, logs or
+// throws (tests/realtime). Pipeline thread. Pinned by tests/unit/daemon/pipeline_test.cpp and
+// tests/golden.
 class FrameProcessor {
  public:
   // `logs_poses`: frames in the log carry their styled pose, for a standby to compare.
@@ -39,9 +40,9 @@ class FrameProcessor {
   FrameProcessor(Performance& performance, bool logs_poses)
       : performance_(performance), logs_poses_(logs_poses) {}
 
-  // Returns what became of each frame, valid until the next call. It is in the log already.
+  // Returns the fate of each frame, valid until the next call. It is in the log already.
   std::span<const decide::FrameInTransit> Process(const Batch& batch);
-  // Handles what waits for this turn, which begins here. Returns how many frames and bodies.
+  // Begins a turn, and processes the bodies and frames that waited for it. Returns how many.
   int DoPostponed();
   void DropPostponed() { postponed_.Clear(); }
   std::int64_t receive_ns() const { return receive_ns_; }  // of the last batch
@@ -67,7 +68,7 @@ class FrameProcessor {
   STYLED_REALTIME void MeasureLatencies(const Batch& batch, bool bundled) noexcept;
   void ProcessBody(int source, decide::FrameInTransit& transit);
   void AdoptBody(Performer& performer, decide::FrameInTransit& transit, bool fresh);
-  // When the frame arrived, on the clock's Now_ns(), at the latest with its batch.
+  // Arrival of the frame on the clock's Now_ns(), not later than that of its batch.
   STYLED_REALTIME std::int64_t ArrivalOf(const source::SourceFrame& frame) const noexcept {
     return frame.arrival_ns == 0 ? receive_ns_ : std::min(frame.arrival_ns, receive_ns_);
   }
@@ -78,7 +79,7 @@ class FrameProcessor {
   std::array<decide::FrameInTransit, source::kBatch> transit_;  // its frames and bodies
   std::array<Performer*, source::kBatch> whose_{};              // null: unknown yet, or a body
   std::array<log::RoundedPose, source::kBatch> rounded_poses_;  // with logs_poses_
-  // Frames that will be styled together, each of another performer, and their places in the batch.
+  // The group that is styled together, one frame per performer, and their indices in the batch.
   std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
   std::array<std::size_t, stylist::Stylist::kTogether> accepted_at_{};
   std::size_t accepted_count_ = 0;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kNamed = 8;  // performers in one line of the log
 
-// How much of a style the performer's settings ask for.
+// The amount of style that the performer's settings request.
 float ShareOf(const Performer& performer) {
   float sum = 0;
   for (const auto& entry : performer.profile.look.mix()) sum += entry.weight();
@@ -22,7 +22,7 @@ bool LosesBefore(const Performer& a, const Performer& b) {
   return a.added_ns > b.added_ns;
 }
 
-// Who is relieved next, or, without `relieve`, gets the style back; null: nobody.
+// The performer to relieve next, or, without `relieve`, the one to restore; null: there is none.
 Performer* NextOf(const Roster& roster, bool relieve) {
   Performer* next = nullptr;
   for (const auto& performer : roster.performers) {
@@ -51,7 +51,7 @@ void BalanceLoad(Performance& performance, std::int64_t now_ns) {
     if (next == nullptr) break;
     next->Relieve(relieve);
     if (i < kNamed) names += (names.empty() ? "" : ", ") + next->profile.id;
-    if (i == kNamed) names += " and of others";
+    if (i == kNamed) names += " and others";
   }
   if (names.empty()) return;
   const long percent = std::lround(100 * overload.load());

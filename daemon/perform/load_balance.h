@@ -6,10 +6,10 @@
 
 namespace styled::pipeline {
 
-// Fades styles out while the machine cannot keep up, and back in (decide/overload.h). Performers
-// who show least of their style lose it first, before those who are pinned; of equals the one who
-// came last. In the opposite order they get it back. Call after each turn that did something.
-// Pipeline thread; allocates where something changes.
+// Fades styles out while the machine is overloaded, and back in (decide/overload.h). Performers
+// with the least style lose it first, and pinned ones last; of equals, the one that came last.
+// Styles return in the opposite order. Call after each turn that did something. Pipeline thread;
+// allocates if something changes.
 void BalanceLoad(Performance& performance, std::int64_t now_ns);
 
 }  // namespace styled::pipeline

@@ -12,11 +12,11 @@
 
 namespace styled::pipeline {
 
-// Limits the pipeline's log lines, so that no sender fills the log and none hides another's lines.
-// The limit applies per kind of line and subject (a performer): the first line passes, the next one
-// a second later, then after 2, 4, ... 64 s; after twice that time without a line it starts again.
-// Lines of new subjects pass 16 at once and 2 a second per sending machine, and 64 at once and 8 a
-// second in total. Invented names therefore cost no more than that and hide no line of another
+// Limits the pipeline's log lines, so that no sender fills the log or hides another's lines. The
+// limit applies per kind of line and subject (a performer): the first line passes, the next one a
+// second later, then after 2, 4, ... 64 s; after twice that time without a line it starts again.
+// Lines of new subjects pass 16 in succession and 2 a second per sending machine, and 64 in
+// succession and 8 a second in total, so invented names cannot exceed that or hide lines of another
 // machine. Bounded, no allocation; pipeline thread. Pinned by tests/unit/daemon/log_limit_test.cpp.
 class LogLimit {
  public:

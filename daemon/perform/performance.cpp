@@ -19,7 +19,7 @@ void Performance::Adopt(std::shared_ptr<const RuntimeConfig> config) {
   decider.SetLimits(LimitsOf(roster.config().performers));
 }
 
-// One message a cycle, for who shows the whole stage.
+// One message per cycle, for clients that show the whole stage.
 bool Performance::SendBundles() noexcept {
   if (std::ranges::all_of(bundles, &publish::Bundle::empty)) return false;
   const std::int64_t begin_ns = clock.Now_ns();

@@ -26,9 +26,9 @@
 
 namespace styled::pipeline {
 
-// What frames, requests and silence act on: the performers with their settings, what sources merge
-// into them, and the topics on which they are published. Whoever performs an entry of the log
-// (FrameProcessor, requests.h, silence.h) gets it as argument. Pipeline thread.
+// The state that frames, requests and silence change: the performers with their settings, the
+// layers merged into them, and their topics. The functions that perform an entry of the log
+// (FrameProcessor, requests.h, silence.h) get it as an argument. Pipeline thread.
 struct Performance {
   // The first four must outlive it.
   Performance(runtime::Clock& the_clock, runtime::Counters& the_counters,
@@ -49,10 +49,10 @@ struct Performance {
   Performance& operator=(const Performance&) = delete;
 
   static decide::Limits LimitsOf(const config::Performers& performers);
-  // Takes over another configuration: weights, presets, limits. Logs what no longer fits.
+  // Adopts another configuration: weights, presets, limits. Logs settings that no longer fit.
   // Allocates.
   void Adopt(std::shared_ptr<const RuntimeConfig> config);
-  // Sends the bundles of what was serialized since the last call. Returns whether there was one.
+  // Sends the bundles of the frames serialized since the last call. Returns whether there were any.
   bool SendBundles() noexcept;
 
   runtime::Clock& clock;

@@ -13,8 +13,8 @@
 namespace styled::pipeline {
 
 // Bodies whose binding waits for a later turn of the pipeline, and the frames behind them. Binding
-// takes milliseconds: of many performers who begin at once, all in one turn would keep the frames
-// of live performers waiting. Pipeline thread; allocates.
+// takes milliseconds: if many performers start together, binding all in one turn would delay the
+// frames of live performers. Pipeline thread; allocates.
 class Postponed {
  public:
   struct Frame {
@@ -24,9 +24,10 @@ class Postponed {
   };
 
   bool empty() const { return frames_.empty(); }
-  // Whether something of the performer waits: what comes then waits behind it.
+  // Whether data of the performer waits, so that later data must wait behind it.
   bool Has(int source, std::string_view performer) const noexcept;
-  // Keeps a copy. False: too much waits already, so that it is handled at once.
+  // Adds a copy. Returns false if too much waits already: the caller then processes the frame at
+  // once.
   bool Add(int source, const source::SourceFrame& frame);
   void Clear() { frames_.clear(); }
 
@@ -35,17 +36,17 @@ class Postponed {
   void Spend(std::int64_t binding_ns) { binding_ns_ += binding_ns; }
   // Whether the time that a turn may bind bodies is used up.
   bool spent() const { return binding_ns_ > kBudget_ns; }
-  // All that waits, oldest first; what is not handled goes back with PutBack.
+  // Removes all waiting frames, oldest first. PutBack returns those that were not processed.
   std::deque<std::unique_ptr<Frame>> Pop();
-  // In front of what was added since Pop.
+  // Inserts frames in front of those added since Pop.
   void PutBack(std::deque<std::unique_ptr<Frame>> rest);
 
  private:
-  // While a performer is live: half of a frame's period at 120 Hz. One took 2.3 ms beside three
-  // builds.
+  // Time per turn while a performer is live: half of a frame's period at 120 Hz. One binding took
+  // 2.3 ms on a machine with three builds running.
   static constexpr std::int64_t kBudget_ns = runtime::kSecond_ns / 240;
-  // Frames and bodies. 64 who begin at once are bound within 0.15 s, in which they send 576 frames
-  // at 60 Hz.
+  // Frames and bodies. 64 performers that start together are bound within 0.15 s, in which they
+  // send 576 frames at 60 Hz.
   static constexpr std::size_t kMost = 1024;
 
   std::deque<std::unique_ptr<Frame>> frames_;

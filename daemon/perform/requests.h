@@ -10,8 +10,8 @@
 namespace styled::pipeline {
 
 // Performs a control request between two frames and fills its reply. Returns false for GetStatus,
-// which it leaves to the caller, who knows the statistics. `transports`: by source, for rigs that
-// are calibrated by their own transport. Pipeline thread; allocates.
+// which the caller answers from its statistics. `transports`: by source, for rigs that are
+// calibrated by their own transport. Pipeline thread; allocates.
 bool PerformRequest(const v1::Request& request,
                     const std::vector<std::unique_ptr<source::Transport>>& transports,
                     Performance& performance, v1::Reply& reply);

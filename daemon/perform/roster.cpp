@@ -39,8 +39,8 @@ void Roster::InitializeToCome() {
   }
 }
 
-// Frames come in about the same order in every period: looks around the place behind the one that
-// was found last, ever farther away on both sides.
+// Frames arrive in about the same order in every period, so the search starts behind the performer
+// found last and widens to both sides.
 Performer* Roster::Find(int source, std::string_view name) noexcept {
   const std::string& source_name = source_names_[static_cast<std::size_t>(source)];
   const std::size_t count = performers.size();
@@ -104,7 +104,7 @@ void Roster::Drop(Profile& profile) {
   profiles.erase(std::string(profile.id));
 }
 
-// A calibration also proves that the performer has come.
+// A calibration also proves that the performer was present.
 bool Roster::HasCome(const Profile& profile) const {
   if (profile.has_come || profile.rest) return true;
   const Performer* live = LiveOf(profile);
@@ -263,7 +263,7 @@ void Roster::RestoreLive(Performer& performer, Profile& saved) {
   profile.pinned = saved.pinned;
   profile.has_come = saved.has_come;
   profile.configured = true;
-  (void)performer.ApplyLook(*config_);  // styles that are gone were told when they went
+  (void)performer.ApplyLook(*config_);  // lost styles were reported when they were lost
 }
 
 std::unique_ptr<std::vector<Profile>> Roster::Snapshot() const {

@@ -19,12 +19,12 @@ namespace styled::pipeline {
 // A performer that sends has precedence over one that was only named, because control requests can
 // name any number of performers that never arrive:
 // - A performer that arrives at a full table replaces the profile that was only named and is absent
-//   for longest; if there is none, the one absent for longest of those that have come and are
+//   for longest; if there is none, the one absent for longest of those that were present and are
 //   neither pinned nor calibrated. A control request replaces no profile.
 // - A profile that was only named expires kForgetNamed_h after it was last set by its name. Hours
 //   count while a daemon runs, over restarts ([state]): settings prepared on Friday are there on
 //   Monday.
-// - Settings of a performer that has come do not expire.
+// - Settings of a performer that was present do not expire.
 // Pinned by tests/unit/daemon/roster_test.cpp.
 class Roster {
  public:
@@ -53,21 +53,21 @@ class Roster {
   Profile* EnsureProfile(const std::string& id);
   // Call when a profile was set by its name (not by "*"): its hours start again.
   void NoteNamed(Profile& profile);
-  // Removes a profile that EnsureProfile made and nobody used.
+  // Removes a profile that EnsureProfile made, if it is unused.
   void DropUnused(Profile& profile);
   // The live performer of a profile, or null.
   Performer* LiveOf(const Profile& profile) const;
 
-  // Forgets everybody and all settings; frames have this epoch from now on.
+  // Forgets all performers and settings; frames have this epoch from now on.
   void Clear(std::uint64_t epoch);
-  // Where the sequences of performers who come from now on begin: beyond all that were used.
+  // The first sequence number for future performers: beyond all that were used.
   std::uint64_t FirstSequence() const;
   void BeginSequencesAt(std::uint64_t sequence);
-  // The saved settings of the last run ("*" among them). Performers who are live go on, with these.
+  // The saved settings of the last run ("*" among them). Live performers continue with them.
   void Restore(std::vector<Profile> profiles);
   // The settings to save: configured profiles and, as "*", those for future performers.
   std::unique_ptr<std::vector<Profile>> Snapshot() const;
-  // One of these, as it is saved; null: it is not.
+  // The saved settings of one performer; null: it has none.
   std::optional<Profile> SavedOf(const std::string& id) const;
 
   // Counts the hours, and removes expired profiles. Call about once a second; it acts once an hour.
@@ -83,7 +83,7 @@ class Roster {
 
   const RuntimeConfig& config() const { return *config_; }
   std::uint64_t epoch() const { return epoch_; }
-  // "rig.a" from a source's number and a performer's name.
+  // "rig.a": the id from a source's number and a performer's name.
   std::string Id(int source, std::string_view name) const;
   bool KnowsSource(std::string_view name) const;
   const std::vector<std::string>& source_names() const { return source_names_; }

@@ -13,9 +13,8 @@ namespace styled::pipeline {
 namespace {
 
 constexpr std::size_t kMostTakes = 4;  // as many as Mailboxes::takes holds
-constexpr std::int64_t kRecent_ns = 300 * runtime::kMillisecond_ns;  // as for Calibrate
-constexpr std::int64_t kPatience_ns =
-    500 * runtime::kMillisecond_ns;  // for frames that do not come
+constexpr std::int64_t kRecent_ns = 300 * runtime::kMillisecond_ns;    // as for Calibrate
+constexpr std::int64_t kPatience_ns = 500 * runtime::kMillisecond_ns;  // silence that ends a take
 
 }  // namespace
 
@@ -71,7 +70,7 @@ void Takes::Sample(const body::Pose& pose, std::int64_t elapsed_ns, Take& take) 
     const double after_ns = static_cast<double>(elapsed_ns) - tick_ns;
     if (after_ns < 0) break;
     const double between_ns = static_cast<double>(elapsed_ns - take.last_ns);
-    poses.emplace_back();  // there is room
+    poses.emplace_back();  // memory is reserved
     body::Interpolate(take.last, pose,
                       poses.size() == 1 ? 1 : static_cast<float>(1 - after_ns / between_ns),
                       poses.back());

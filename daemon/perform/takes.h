@@ -12,8 +12,8 @@
 
 namespace styled::pipeline {
 
-// What performers show of a style for Like.learn_s: their own motion, before it is styled, sampled
-// at the network's rate by the frames' source time. Pipeline thread only. Pinned by
+// Records performers that show a style (Like.learn_s): their own motion, before it is styled,
+// sampled at the network's rate by the frames' source time. Pipeline thread only. Pinned by
 // tests/e2e/like_test.cpp.
 class Takes {
  public:
@@ -23,17 +23,17 @@ class Takes {
   bool empty() const { return takes_.empty(); }
   // Samples a performer's frame, which has just been styled.
   STYLED_REALTIME void OnFrame(const Performer& performer) noexcept;
-  // The next request whose take is complete, or, with an error in its reply, was broken off; null
-  // if there is none.
+  // The next request whose take is complete or was aborted (with an error in its reply); null if
+  // there is none.
   std::unique_ptr<Exchange> Pop(std::int64_t now_ns);
 
  private:
   struct Take {
     std::unique_ptr<Exchange> exchange;
-    std::string performer;  // its id
-    double step_ns;         // of the network
-    std::size_t wanted;     // poses
-    std::int64_t due_ns;    // of the clock: without a frame until then it is broken off
+    std::string performer;                   // its id
+    double step_ns;                          // of the network
+    std::size_t wanted;                      // poses
+    std::int64_t due_ns;                     // the take is aborted if no frame arrives until then
     std::int64_t began_ns = 0, last_ns = 0;  // elapsed time of the session
     body::Pose last;
     bool started = false, broken = false;

@@ -17,14 +17,14 @@ struct Dependencies {
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
   log::Recorder* recorder = nullptr;           // null: nothing is recorded
-  bool anticipate = true;                      // predicts each frame and wakes shortly before
-  bool prewarm = true;                         // and then brings its data into the caches
-  bool polls = false;                          // the loop is awake around that time in any case
-  runtime::ClockWatch* clock_watch = nullptr;  // null: statistics say nothing of the clock
-  // Null: this daemon is alone. Else `clock` and `publisher` are its own.
+  bool anticipate = true;                      // predict each frame and wake shortly before it
+  bool prewarm = true;                         // then bring its data into the caches
+  bool polls = false;                          // the loop is awake at that time in any case
+  runtime::ClockWatch* clock_watch = nullptr;  // null: no statistics of the clock
+  // Null: no pair. Otherwise `clock` and `publisher` are the standby's.
   standby::Standby* standby = nullptr;
-  // Fades styles out where the machine cannot keep up (overload.h). It depends on the time that
-  // styling takes, so a replay does without.
+  // Fades styles out while the machine is overloaded (overload.h). Off in a replay, because it
+  // depends on the measured time of styling.
   bool relieves = false;
 
   bool leads() const { return standby == nullptr || standby->leads(); }

@@ -12,7 +12,7 @@ namespace {
 using runtime::Counter;
 
 constexpr int kSubscriptionsPerCycle = 16;
-// One: frames that wait are handled between two requests, however many an operator sends.
+// One, so that waiting frames are processed between two requests, however many an operator sends.
 constexpr int kCommandsPerCycle = 1;
 
 }  // namespace
@@ -77,8 +77,8 @@ int Pipeline::DoSources() {
   return work;
 }
 
-// While frames may still wait in a socket, no performer counts as silent; but check at least every
-// kBusyCycles cycles.
+// While frames may still wait in a socket, no performer counts as silent. Silence is checked at
+// least every kBusyCycles cycles.
 bool Pipeline::Drained(bool worked) {
   constexpr int kBusyCycles = 64;
   const bool drained = !worked || ++busy_cycles_ >= kBusyCycles;
@@ -108,7 +108,7 @@ int Pipeline::DoCommands() {
 void Pipeline::Perform(std::unique_ptr<Exchange> exchange) {
   const v1::Request& request = exchange->request;
   if (replication_ && replication_->Answers(*exchange)) return Return(std::move(exchange));
-  if (request.has_lead()) {  // nobody else does
+  if (request.has_lead()) {  // without a standby this daemon always leads
     exchange->reply.set_id(request.id());
     return Return(std::move(exchange));
   }
@@ -126,7 +126,7 @@ void Pipeline::Perform(std::unique_ptr<Exchange> exchange) {
   Return(std::move(exchange));
 }
 
-// Passes on what performers have shown of a style.
+// Passes complete takes of performers to the files thread.
 int Pipeline::DoTakes(std::int64_t now_ns) {
   int work = 0;
   while (!performance_.takes.empty()) {
@@ -146,7 +146,7 @@ int Pipeline::DoTakes(std::int64_t now_ns) {
   return work;
 }
 
-// Sends a request with its reply back.
+// Returns a request with its reply.
 void Pipeline::Return(std::unique_ptr<Exchange> exchange) {
   performance_.log.OnRequest(performance_.clock.Now_ns(), exchange->request, exchange->reply);
   performance_.counters.Add(Counter::kPipelineCommands);
@@ -170,7 +170,7 @@ int Pipeline::DoReloads() {
   if (replication_) replication_->OnReload(reload);
   Exchange* const exchange = reload.exchange.get();  // null: the configuration was read again
   const bool done = exchange != nullptr && exchange->reply.code() == v1::CODE_OK;
-  // Looks name styles as the new configuration does before it resolves them.
+  // Renames and removes styles in the looks before the new configuration resolves their names.
   if (done) performance_.commands.FollowStyles(exchange->request, exchange->reply);
   if (reload.config != nullptr) Adopt(std::move(reload.config), exchange == nullptr);
   if (done) performance_.commands.Show(exchange->request, exchange->reply);

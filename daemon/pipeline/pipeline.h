@@ -21,17 +21,18 @@
 namespace styled::pipeline {
 
 // The loop of the thread that processes frames from the datagram's arrival to zmq_send, without a
-// queue in between: it polls the sources, decides and performs what came (FrameProcessor,
-// requests), logs it (log::Writer) and does what time alone causes (Timers). When DoWork() finds
-// nothing to do, its caller waits for the transports, the publisher and mailboxes.wake_pipeline, at
-// most until NextDeadline_ns(). From a performer's second frame on nothing between receive and
-// zmq_send allocates, locks, logs or throws (tests/realtime).
+// queue in between. It polls the sources, decides and performs their data (FrameProcessor,
+// requests), logs it (log::Writer) and does the work that is due by time (Timers). When DoWork()
+// finds nothing to do, its caller waits for the transports, the publisher and
+// mailboxes.wake_pipeline, at most until NextDeadline_ns(). From a performer's second frame on,
+// nothing between receive and zmq_send allocates, locks, logs or throws (tests/realtime).
 //
-// A cycle is bounded whatever arrives. It handles at most kBatch datagrams of each UDP source and 8
-// reads of 16 KiB of a TCP source, and a datagram makes at most as many frames as it may have
+// A cycle is bounded for any input. It reads at most kBatch datagrams of each UDP source and 8
+// times 16 KiB of a TCP source, and a datagram contains at most as many frames as it may have
 // performers (4 of a VMC sender, 8 of Rokoko, 16 of NatNet). A frame runs at most
 // stylist::kMaxStepsPerFrame steps of the network, and consecutive frames kMeanStepsPerFrame each.
 // The worst cycle of a source with native datagrams is therefore 32 * 64 steps (10 ms at 5 us each)
+// once, and 32 * 8 after that.
 // once, and 32 * 8 after that.
 class Pipeline final : public Worker, public source::Receiver {
  public:
@@ -40,11 +41,11 @@ class Pipeline final : public Worker, public source::Receiver {
   Pipeline(const Dependencies& dependencies, std::vector<std::string> source_names,
            std::vector<std::unique_ptr<source::Transport>> transports,
            std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch, int max_subscriptions);
-  // The settings of the last run. Call before the first DoWork.
+  // Restores the settings of the last run. Call before the first DoWork.
   void Restore(std::vector<Profile> profiles) { performance_.roster.Restore(std::move(profiles)); }
-  // The configured sources, of which some are merged into performers. Call before the first DoWork.
+  // Sets the sources that are merged into performers. Call before the first DoWork.
   void SetLayers(const std::vector<config::Source>& sources);
-  // The configured types, for status. Call before the first DoWork.
+  // Sets the types of the sources, for status. Call before the first DoWork.
   void SetSourceTypes(std::vector<std::string> types) { stats_.SetSourceTypes(std::move(types)); }
   // Call after the last cycle. Returns the settings if a change of them found the mailbox full,
   // else null.

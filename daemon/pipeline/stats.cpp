@@ -11,7 +11,7 @@ using runtime::kSecond_ns;
 
 constexpr std::int64_t kBudget_ns = kSecond_ns / 120;
 
-// Fills the fields that `look` replaced, for older readers.
+// Fills the fields that `look` has replaced, for older readers.
 void FillFormerFields(v1::PerformerStats& row) {
   const v1::Look& look = row.look();
   *row.mutable_styles() = look.mix();

@@ -30,7 +30,7 @@ std::int64_t ForgottenAt_ns(const Performer& performer, const config::Performers
 
 std::int64_t Timers::NextDeadline_ns(std::int64_t batch_ns) const {
   std::int64_t next_ns = stats_.due_ns();
-  if (!dependencies_.leads()) return next_ns;  // silence is the leader's decision
+  if (!dependencies_.leads()) return next_ns;  // only the leader decides on silence
   const auto& limits = performance_.roster.config().performers;
   for (const auto& performer : performance_.roster.performers) {
     const std::int64_t silent_ns = performer->admission.live() ? StaleAt_ns(*performer, limits)
@@ -41,8 +41,8 @@ std::int64_t Timers::NextDeadline_ns(std::int64_t batch_ns) const {
   return next_ns;
 }
 
-// When to wake for a performer's next frame. Where caches are still warm it is not worth it: of 16
-// performers a frame took 82 us of CPU instead of 51.
+// When to wake for a performer's next frame. Not worthwhile while the caches are warm: with 16
+// performers it raised the cost of a frame from 51 to 82 us of CPU.
 std::int64_t Timers::Prepare_ns(const Performer& performer, std::int64_t batch_ns) const {
   const std::int64_t prepare_ns = performer.admission.anticipation.prepare_ns();
   const bool warm = prepare_ns < batch_ns + kStaysWarm_ns;
@@ -56,7 +56,7 @@ bool Timers::Expects(std::int64_t now_ns) const {
          });
 }
 
-// Prewarms only after a pause: while frames keep arriving the caches stay warm by themselves.
+// Prewarms only after a pause, because frames in succession keep the caches warm.
 void Timers::Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns) {
   if (!performer.admission.anticipation.Prepare(now_ns)) return;
   if (!dependencies_.prewarm || now_ns - batch_ns < kStaysWarm_ns) return;
@@ -66,13 +66,13 @@ void Timers::Prepare(Performer& performer, std::int64_t now_ns, std::int64_t bat
 
 int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
   int work = 0;
-  if (dependencies_.leads()) {  // a standby does it when the leader does
+  if (dependencies_.leads()) {  // a standby does it when the journal says that the leader did
     auto& performers = performance_.roster.performers;
     for (std::size_t i = 0; i < performers.size();) {
       const std::size_t count = performers.size();
       if (dependencies_.anticipate && drained) Prepare(*performers[i], now_ns, batch_ns);
       work += DoPerformer(*performers[i], now_ns, drained);
-      if (performers.size() == count) ++i;  // they were not forgotten
+      if (performers.size() == count) ++i;  // unless it was forgotten
     }
     if (silence_.stale_size() + silence_.forgotten_size() > 0) {
       performance_.log.OnSilence(now_ns, silence_);
@@ -125,7 +125,7 @@ void Timers::LogFacing(Performer& performer) {
                             warning.empty() ? "walks where the toes point again" : warning);
 }
 
-// Calibrations of a neutral take seconds; their replies came at the beginning.
+// Calibrations of a neutral take seconds; they were answered at their beginning.
 void Timers::LogCalibrated() {
   for (const auto& performer : performance_.roster.performers) {
     if (!performer->PopNeutralCalibrated()) continue;
@@ -135,12 +135,13 @@ void Timers::LogCalibrated() {
         done ? Event::Level::kInfo : Event::Level::kWarning,
         performer->profile.id +
             (done ? ": their neutral is calibrated"
-                  : ": hardly stood or walked, so their neutral is not calibrated; it "
-                    "goes on being learned"));
+                  : ": hardly stood or walked, so their neutral is not calibrated and "
+                    "continues to be learned"));
   }
 }
 
-// Timecode and motion do not depend on it; what other machines make of the frames' wall times does.
+// A step of the wall clock does not affect timecode and motion, but other machines use the frames'
+// wall times.
 void Timers::CheckWallClock() {
   const std::int64_t step_ns = wall_watch_.Look(performance_.clock);
   if (step_ns == 0) return;
@@ -152,7 +153,7 @@ void Timers::CheckWallClock() {
                               " s, or the machine slept: the frames' wall times follow it");
 }
 
-// A phone or a glove that is switched off is seen nowhere else.
+// Only this log line shows a phone or a glove that was switched off.
 int Timers::LogLayers(std::int64_t now_ns) {
   int changes = 0;
   const auto log = [&](const Layer& layer, MergedPart& part, LogLimit::Kind kind, const char* comes,

@@ -10,16 +10,16 @@
 
 namespace styled::pipeline {
 
-// The pipeline's work that time alone causes: silence, bodies that are sent again, statistics, log
-// lines. Pipeline thread; allocates where something is due.
+// The pipeline's work that is due by time: silence, repeated bodies, statistics, log lines.
+// Pipeline thread; allocates if something is due.
 class Timers {
  public:
   // All must outlive it.
   Timers(const Dependencies& dependencies, Performance& performance, Stats& stats)
       : dependencies_(dependencies), performance_(performance), stats_(stats) {}
 
-  // Does what is due. `drained`: no source has frames that wait. `batch_ns`: when the last batch
-  // was read. Returns how much was done.
+  // Does the work that is due. `drained`: no frames wait in a source. `batch_ns`: when the last
+  // batch was read. Returns the number of actions.
   int DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns);
   // When DoWork is due again, at the latest.
   std::int64_t NextDeadline_ns(std::int64_t batch_ns) const;
@@ -27,7 +27,7 @@ class Timers {
   bool Expects(std::int64_t now_ns) const;
 
  private:
-  // What of a performer is due.
+  // Does the work that is due for one performer.
   int DoPerformer(Performer& performer, std::int64_t now_ns, bool drained);
   std::int64_t Prepare_ns(const Performer& performer, std::int64_t batch_ns) const;
   void Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns);

@@ -8,7 +8,7 @@ namespace styled::pipeline {
 class Worker {
  public:
   virtual ~Worker() = default;
-  // Returns how much was done; 0: nothing to do before NextDeadline_ns(), unless something arrives.
+  // Returns the amount of work; 0: nothing to do before NextDeadline_ns(), unless data arrives.
   // Bounded, never blocks.
   virtual int DoWork() = 0;
   virtual std::int64_t NextDeadline_ns() const = 0;

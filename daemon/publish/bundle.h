@@ -9,7 +9,7 @@
 
 namespace styled::publish {
 
-// Gathers the frames of all performers on one output into messages (v1.Frames) on a topic of their
+// Collects the frames of all performers on one output into messages (v1.Frames) on a topic of their
 // own. A client that shows a whole stage then receives one message per cycle instead of one per
 // performer. Most of the cost on both sides is per message, not per frame. Pipeline thread.
 class Bundle {
@@ -21,7 +21,7 @@ class Bundle {
   // would make it longer than kMostBytes. Allocates only for more than kUsualBytes.
   void Add(std::span<const std::byte> frame, Publisher& publisher) noexcept;
   bool empty() const noexcept { return bytes_.empty(); }
-  // Sends the gathered frames, if there are any.
+  // Sends the collected frames, if there are any.
   void Send(Publisher& publisher) noexcept;
 
   // A cycle of kBatch frames of a usual body is 40 kB.

@@ -31,7 +31,7 @@ class FrameMessage {
   // bytes.
   void UseStyles(const net::Styles& styles) noexcept { styles_ = &styles; }
 
-  // What is the same on all topics of a pose, and the topic's flags.
+  // Sets the fields that are the same on all topics of a pose, and the topic's flags.
   STYLED_REALTIME void SetHeader(const decide::FrameInTransit& frame, std::uint32_t flags) noexcept;
   STYLED_REALTIME void SetStyles(std::span<const net::StyleWeight> in_force) noexcept;
   STYLED_REALTIME void AddHeld(int joint) noexcept;

@@ -24,8 +24,8 @@ class Publisher {
   virtual ~Publisher() = default;
   // Sends at once or drops, never blocks. `payload` may be reused on return.
   virtual void Send(std::string_view topic, std::span<const std::byte> payload) noexcept = 0;
-  // Announces that so many messages are about to be sent at once: from now on each subscriber's
-  // queue holds as many more than usual. It may allocate.
+  // Call before sending this many messages in succession: from now on each subscriber's queue holds
+  // as many more than usual. May allocate.
   virtual void MakeRoom(std::size_t /*messages*/) {}
   // The next change of subscriptions; false when there is none.
   virtual bool NextSubscription(SubscriptionEvent& event) = 0;

@@ -19,8 +19,8 @@ struct Topic {
   std::string name;  // ends in "/"
   int wanted = 0;
   bool asked = false;
-  // Shorter prefixes do not ask for it: a client that subscribes to everything does not mean this
-  // topic.
+  // Shorter prefixes do not count: a client that subscribes to everything does not request this
+  // topic in particular.
   std::size_t least_prefix = 0;
 };
 
@@ -42,7 +42,7 @@ class Subscriptions {
   void Unregister(Topic& topic);
 
   // The topics of the bundles, which exist even without a performer. Only a prefix that begins with
-  // "frames/" asks for them.
+  // "frames/" subscribes to them.
   enum BundleIndex : std::uint8_t { kRigBundle, kCanonicalBundle, kSourceBundle, kBundleCount };
   const Topic& bundle(std::size_t index) const { return bundles_[index]; }
 

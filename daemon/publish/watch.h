@@ -14,7 +14,7 @@
 
 namespace styled::publish {
 
-// The thread that detects lost messages of subscribers: it reads the canary, and looks once a
+// The thread that detects lost messages of subscribers: it reads the canary, and checks once a
 // second for subscribers that have stopped reading. It writes counters and, for stalled
 // subscribers, the log.
 class Watch {

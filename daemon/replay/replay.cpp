@@ -84,7 +84,8 @@ std::unique_ptr<source::Translator> MakeTranslator(config::Source config,
   return source::MakeTranslator(config);
 }
 
-// Whether arrivals are pieces of a stream. Those of a server that we connected to are records.
+// Whether arrivals are pieces of a stream. Data from a server to which the daemon connected is
+// recorded as records.
 bool IsStream(const std::string& type) {
   const rigs::SourceType& known = *rigs::FindSourceType(type);
   return (known.stream && !known.connects()) || type == rigs::kNative.usb;
@@ -191,7 +192,7 @@ class Recorded final : public source::Transport {
 // Sources may share a name, but not both name and type.
 std::string KeyOf(const std::string& name, const std::string& type) { return name + " " + type; }
 
-// A replay reads the library's styles and leaves its files alone.
+// A replay reads the library's styles and does not change its files.
 std::shared_ptr<const pipeline::RuntimeConfig> WithoutLibrary(
     const pipeline::RuntimeConfig& config) {
   auto without = std::make_shared<pipeline::RuntimeConfig>(config);
@@ -244,7 +245,7 @@ class Player {
     } else if (record.has_command() && commands_) {
       auto exchange = std::make_unique<pipeline::Exchange>();
       exchange->request = record.command().request();
-      // A recorded take has become a code.
+      // A recorded take is replaced by its code.
       if (pipeline::IsStyleRequest(exchange->request)) {
         DoStyleRequest(std::move(exchange));
       } else {
@@ -254,11 +255,11 @@ class Player {
     Work();
     return Status::Ok();
   }
-  // Lets 0.2 s more pass, for what time alone causes after the last record.
+  // Continues for 0.2 s after the last record, for the work that is due by time.
   void Finish() { PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5); }
 
  private:
-  // What the supervisor does live.
+  // Replaces the supervisor.
   void DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
     auto made = style_requests_.Do(*runtime_config_, *exchange);
     if (made != nullptr) runtime_config_ = made;
@@ -343,7 +344,7 @@ Result<config::Config> ConfigOf(const recording::Reader& reader,
                                 const std::vector<config::Override>& overrides) {
   if (reader.header().config().empty()) {
     return Status::Error(reader.name() +
-                         ": holds no configuration; expected --config with the one that it was "
+                         ": contains no configuration; expected --config with the one that it was "
                          "recorded under");
   }
   return config::Parse(reader.header().config(), reader.name() + ": its configuration", overrides);
@@ -356,7 +357,7 @@ Status Replay(recording::Reader& reader, const config::Config& config,
   const auto senders = FirstSenders(reader, config.sources.size());
   if (senders.empty()) {
     return Status::Error(reader.name() +
-                         ": found nothing that arrived from a rig, expected a recording of the "
+                         ": found no data from a rig, expected a recording of the "
                          "daemon ([record]) or of stylerec receive");
   }
   Player player(config, runtime_config, options, senders, counters, sink);

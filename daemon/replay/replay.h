@@ -33,11 +33,11 @@ using Sink = std::function<void(std::int64_t time_ns, std::string_view topic,
 Result<config::Config> ConfigOf(const recording::Reader& reader,
                                 const std::vector<config::Override>& overrides);
 
-// Plays the recorded arrivals and commands, in their order, through translators and pipeline as a
-// daemon with `config` and `runtime_config` would. The recorded times drive the clock: there are no
+// Plays the recorded arrivals and commands in order through translators and pipeline, as a daemon
+// with `config` and `runtime_config` would. The recorded times drive the clock: there are no
 // sockets, threads or sleeps, and every run gives the same result for every rig. `counters` shows
-// what happened to the frames. Allocates; one thread. Errors: nothing arrived, or something arrived
-// from a source that is not in the configuration.
+// the fate of the frames. Allocates; one thread. Errors: nothing arrived, or data arrived from a
+// source that is not in the configuration.
 Status Replay(recording::Reader& reader, const config::Config& config,
               const std::shared_ptr<const pipeline::RuntimeConfig>& runtime_config,
               const Options& options, runtime::Counters& counters, const Sink& sink);
@@ -45,8 +45,8 @@ Status Replay(recording::Reader& reader, const config::Config& config,
 // Whether a counter describes the frames, and not the machine or the daemon's peers.
 bool IsOfTheMotion(runtime::Counter counter);
 
-// Implements `styled --replay`: writes what is published to a new recording, `file`. Returns a text
-// with duration, number of messages and counters, and a warning if the recording was made with
+// Implements `styled --replay`: writes the published messages to a new recording, `file`. Returns a
+// text with duration, number of messages and counters, and a warning if the recording was made with
 // other weights.
 Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config& config,
                                  const std::string& file);

@@ -3,9 +3,9 @@
 namespace styled::standby {
 
 void BufferedPublisher::Send(std::string_view topic, std::span<const std::byte> payload) noexcept {
-  // Its own statistics say how the standby is.
+  // The standby's own statistics are always sent: they report its state.
   if (!holds_ || topic == "stats/") return to_.Send(topic, payload);
-  if (topic.starts_with("body/")) return;  // sent anew then
+  if (topic.starts_with("body/")) return;  // all bodies are sent after a takeover
   const std::int64_t now_ns = clock_.Now_ns();
   while (!kept_.empty() && (kept_.size() >= kMost || now_ns - kept_.front().at_ns > kKeep_ns)) {
     kept_.pop_front();

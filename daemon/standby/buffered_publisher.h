@@ -13,12 +13,12 @@
 
 namespace styled::standby {
 
-// A standby's publisher: it keeps the last messages instead of sending them, until the standby
-// leads. It sends them then: the leader may have died with the same ones in its queues. Subscribers
-// drop those that they have by epoch and sequence. Pipeline thread.
+// A standby's publisher: until the standby leads it keeps the last messages instead of sending
+// them. After a takeover it sends them, because a killed leader may have had the same messages in
+// its queues. Subscribers drop duplicates by epoch and sequence. Pipeline thread.
 class BufferedPublisher final : public publish::Publisher {
  public:
-  // What a leader that is killed takes with it has lain in its queues for some milliseconds.
+  // Longer than a message waits in the queues of a leader, which is some milliseconds.
   static constexpr std::int64_t kKeep_ns = 150'000'000;
   static constexpr std::size_t kMost = 8192;
 
@@ -32,8 +32,8 @@ class BufferedPublisher final : public publish::Publisher {
   int fd() const override { return to_.fd(); }
 
   void Hold() { holds_ = true; }
-  // Sends what it kept (`all`), after it has made room for it, or drops it; passes on from now on.
-  // Returns how many messages it sent.
+  // Ends the buffering: later messages are sent at once. `all`: makes room for the buffered
+  // messages and sends them; otherwise drops them. Returns how many it sent.
   std::size_t Release(bool all);
 
  private:

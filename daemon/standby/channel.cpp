@@ -9,9 +9,9 @@
 namespace styled::standby {
 namespace {
 
-// Messages that wait for a daemon that does not read. Sixteen performers at 120 Hz, each in a
-// message of its own of about 1.5 kB, fill it in 10 s and 30 MB. What exceeds it is lost, and the
-// reader then fetches the whole state.
+// Capacity, in messages, for a peer that does not read. Sixteen performers at 120 Hz, each in its
+// own message of about 1.5 kB, fill it in 10 s with 30 MB. Messages beyond it are lost; the reader
+// then fetches the whole state.
 constexpr int kQueue = 20'000;
 
 class ZmqChannel final : public Channel {
@@ -34,7 +34,8 @@ class ZmqChannel final : public Channel {
         whole = false;
         continue;
       }
-      // A journal's messages have one part. Another is handed on empty, which no entry is.
+      // A journal's messages have one part. A message of several parts is returned empty, which is
+      // not a valid entry.
       message.assign(static_cast<const char*>(zmq_msg_data(&message_)),
                      whole ? zmq_msg_size(&message_) : 0);
       return true;
@@ -47,8 +48,8 @@ class ZmqChannel final : public Channel {
         zmq_msg_size(&message_) > 0 && *static_cast<const char*>(zmq_msg_data(&message_)) == 1;
     return began ? Subscription::kBegan : Subscription::kEnded;
   }
-  // By a topic on which nothing is ever published: to subscribe to everything anew would lose the
-  // messages in between.
+  // Requests the state by a subscription to a topic on which nothing is ever published. To renew
+  // the subscription to the journal instead would lose the messages in between.
   void Ask() override {
     const std::string last = "ask " + std::to_string(asked_),
                       next = "ask " + std::to_string(++asked_);
@@ -56,8 +57,8 @@ class ZmqChannel final : public Channel {
     zmq_setsockopt(subscriber_.get(), ZMQ_UNSUBSCRIBE, last.data(), last.size());
   }
 
-  // libzmq connects again to an address where nobody listens, or that is not ZeroMQ in time; but it
-  // gives up one that breaks the protocol: another type of socket, too large a message, bytes.
+  // libzmq itself connects again after a refused or silent connection. It gives up a peer that
+  // violates the protocol: another socket type, a message that is too large, or arbitrary bytes.
   void Reconnect() override {
     (void)zmq_disconnect(subscriber_.get(), peer_.c_str());
     (void)zmq_connect(subscriber_.get(), peer_.c_str());
@@ -82,7 +83,7 @@ Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
   publisher.Set(ZMQ_SNDHWM, kQueue);
   publisher.Set(ZMQ_LINGER, 100);
   publisher.Set(ZMQ_HANDSHAKE_IVL, 1000);
-  publisher.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});  // of the other's subscriptions
+  publisher.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});  // limits the peer's subscriptions
   Opened opened;
   Status status = keeper == nullptr ? Status::Ok() : keeper->GuardPeers(publisher);
   if (status.ok() && keeper != nullptr) status = keeper->Introduce(subscriber, config.peer_key);
@@ -92,10 +93,11 @@ Result<Opened> OpenZmqChannel(void* context, const config::Standby& config,
   subscriber.Set(ZMQ_RCVHWM, kQueue);
   subscriber.Set(ZMQ_LINGER, 0);
   subscriber.Set(ZMQ_RECONNECT_IVL, 100);
-  // What listens at the peer's address and says nothing is left, and tried again.
+  // A program at the peer's address that does not complete the handshake is disconnected, and the
+  // connection is tried again.
   subscriber.Set(ZMQ_HANDSHAKE_IVL, 1000);
   subscriber.Set(ZMQ_MAXMSGSIZE, static_cast<std::int64_t>(kMaxMessageBytes));
-  // A machine that is gone without a word is noticed by its silence; its connection ends, too.
+  // Heartbeats of the connection: a machine that vanished is detected by its silence.
   subscriber.Set(ZMQ_HEARTBEAT_IVL, 1000);
   subscriber.Set(ZMQ_HEARTBEAT_TIMEOUT, 3000);
   subscriber.Set(ZMQ_IPV6, config.peer.find('[') != std::string::npos ? 1 : 0);

@@ -20,10 +20,11 @@ namespace {
 using pipeline::Performer;
 using pipeline::Profile;
 
-constexpr std::size_t kShownReason = 200;  // bytes of what the leader says
-// A style takes 2 to 20 ms on the files thread, on a slow disk 400. Entries that wait for so long
-// are performed without it, and the state is fetched: a standby further behind would lead with old
-// poses, and 0.35 s later (46 performers who waited for a second).
+constexpr std::size_t kShownReason = 200;  // bytes of the leader's text in a log line
+// Longest wait for a style. It takes 2 to 20 ms on the files thread, 400 ms on a slow disk. Entries
+// that have waited longer are performed without the style, and the state is fetched again. A longer
+// wait would let the standby lead with old poses, 0.35 s late (measured with 46 performers and a
+// wait of 1 s).
 constexpr std::int64_t kLongestStyle_ns = 500'000'000;
 
 }  // namespace
@@ -38,7 +39,7 @@ int Follower::DoWaiting(int most) {
   const std::int64_t since_ns = waiting_.empty() ? awaits_since_ns_ : waiting_.front().read_ns;
   const bool waits = awaits_style_ || (!waiting_.empty() && standby_.whole());
   if (waits && performance_.clock.Now_ns() - since_ns >= kLongestStyle_ns) {
-    standby_.Failed("styles change at the leader faster than here");
+    standby_.Failed("styles change at the leader faster than this daemon can follow");
     styles_.FetchAfterwards();
     awaits_style_ = false;
   }
@@ -188,7 +189,7 @@ void Follower::OnRequest(const v1::Request& request) {
   v1::Reply reply;
   (void)PerformRequest(request, transports_, performance_, reply);
   if (reply.code() != v1::CODE_OK) {
-    // While the state comes, of a performer whose part of it comes later.
+    // While the state is being fetched, the performer's part may still be missing.
     if (!standby_.fetches()) standby_.Failed(reply.reason());
     return;
   }

@@ -14,9 +14,9 @@
 
 namespace styled::standby {
 
-// The standby's part of [standby]: performs what the leader has handled, entry by entry, with the
-// leader's decisions at the leader's times, so that it has the leader's state bit for bit. Pipeline
-// thread; allocates. Pinned by tests/unit/standby/following_test.cpp.
+// The standby's half of [standby]: performs the leader's entries in order, with the leader's
+// decisions and times, so that its state equals the leader's bit for bit. Pipeline thread;
+// allocates. Pinned by tests/unit/standby/following_test.cpp.
 class Follower {
  public:
   using Transports = std::vector<std::unique_ptr<source::Transport>>;
@@ -30,21 +30,21 @@ class Follower {
         transports_(transports),
         styles_(styles) {}
 
-  // Performs an entry, or keeps it behind a change of styles that is not done here yet. Swaps the
-  // entry's content out. `own_ns`: when the leader did it, on this daemon's clock.
+  // Performs an entry. While a change of styles is unfinished, queues it instead. Swaps out the
+  // entry's content. `own_ns`: the time of the entry on this daemon's clock.
   void OnEntry(v1::Journal& entry, std::int64_t own_ns);
-  // Performs at most `most` entries of those that wait, if they need not wait any longer. Returns
-  // how many.
+  // Performs at most `most` queued entries, unless they still wait for a style. Returns how many.
   int DoWaiting(int most);
-  // Performs all that wait, without the styles that are not here yet.
+  // Performs all queued entries, without the styles that are still missing.
   void EndWait();
-  // Drops all that wait.
+  // Drops all queued entries.
   void Clear();
-  // The changes of styles are done.
+  // All changes of styles are finished.
   void OnStylesFollowed() { awaits_style_ = false; }
 
  private:
-  // An entry behind a change of styles, so that motions change at the leader's frame.
+  // An entry queued behind a change of styles, so that motions change at the same frame as the
+  // leader's.
   struct Waiting {
     v1::Journal entry;
     std::int64_t own_ns = 0;   // as of OnEntry

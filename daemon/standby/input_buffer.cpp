@@ -9,10 +9,10 @@
 namespace styled::standby {
 namespace {
 
-// A frame that the leader had within this time of the standby's is taken for the same one where
-// nothing else tells: less than half a period at 120 Hz.
+// If neither numbers nor pose identify the leader's frame, a frame within this time of it counts as
+// the same one: less than half a period at 120 Hz.
 constexpr std::int64_t kSameTime_ns = 4'000'000;
-// Bounds what invented names may occupy.
+// Limits the memory that invented names can occupy.
 constexpr std::size_t kMostBodies = 1024;
 
 }  // namespace

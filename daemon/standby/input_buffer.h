@@ -15,18 +15,18 @@
 
 namespace styled::standby {
 
-// The last frame of a performer that the leader handled, as the standby learned it.
+// The performer's last frame that the leader processed, from the journal.
 struct LastHandled {
   source::Machine machine{};
   std::uint64_t session = 0, sequence = 0, source_time_ns = 0;
-  std::uint32_t pose_crc = 0;  // PoseCrc of the frame as it came from the rig
-  std::int64_t at_ns = 0;      // when the leader had it, on this daemon's clock
+  std::uint32_t pose_crc = 0;  // PoseCrc of the frame as received from the rig
+  std::int64_t at_ns = 0;      // when the leader received it, on this daemon's clock
 };
 
 STYLED_REALTIME std::uint32_t PoseCrc(const source::SourceFrame& frame) noexcept;
 
-// Keeps what the rigs send to a standby, for the moment at which it goes on alone. Pipeline thread.
-// Pinned by tests/unit/standby/input_buffer_test.cpp.
+// Buffers the rigs' frames at a standby, for a takeover. Pipeline thread. Pinned by
+// tests/unit/standby/input_buffer_test.cpp.
 class InputBuffer {
  public:
   struct Frame {
@@ -36,28 +36,29 @@ class InputBuffer {
     std::uint32_t pose_crc = 0;
     source::FrameMemory memory{kUsualBytes};
   };
-  // Longer than it takes to notice that the leader is gone, on a machine that stands still
+  // Longer than the detection of a dead leader takes, even if this machine is interrupted
   // meanwhile.
   static constexpr std::int64_t kKeep_ns = 1'000'000'000;
-  // A second of 64 performers at 120 Hz. Beyond that the oldest give way.
+  // A second of 64 performers at 120 Hz. Beyond that the oldest frames are dropped.
   static constexpr std::size_t kMost = 8192;
 
   void Add(int source, std::span<const source::SourceFrame> frames, std::int64_t now_ns);
   void Clear();
-  // Drops what is older than kKeep_ns, and the bodies of those who have sent nothing since.
+  // Drops frames older than kKeep_ns, and bodies whose performers have sent nothing since.
   void Expire(const std::vector<std::string>& source_names, std::int64_t now_ns);
   const std::deque<std::unique_ptr<Frame>>& frames() const { return frames_; }
   // The newest body of each performer, by source and name.
   const std::map<std::pair<int, std::string>, std::unique_ptr<Frame>>& bodies() const {
     return bodies_;
   }
-  // When the last frame of a performer came; nothing within kKeep_ns: INT64_MIN.
+  // Arrival of the performer's last frame; INT64_MIN if none arrived within kKeep_ns.
   std::int64_t LastOf(const std::vector<std::string>& source_names, std::string_view id) const;
 
-  // Where a performer's own frames continue behind the leader's last one: the frame here that is
-  // that one (null: none here), and how many of frames() from the beginning do not come after it.
-  // Rigs whose protocol has no session and numbers get these from each daemon on its own, so the
-  // frame is found by its numbers, or else by its pose, or else by its time.
+  // The position in frames() from which a performer's frames follow the leader's last one. `same`:
+  // the buffered frame that is the leader's last one; null: it is not buffered. `after`: the number
+  // of frames from the beginning that are not later than it. For a rig whose protocol has no
+  // session and numbers, each daemon assigns its own. The frame is therefore found by its numbers,
+  // otherwise by its pose, otherwise by its time.
   struct Place {
     const Frame* same = nullptr;
     std::size_t after = 0;

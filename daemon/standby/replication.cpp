@@ -13,7 +13,7 @@ namespace {
 using Change = Standby::Change;
 using pipeline::Event;
 
-// Bounds a turn: 64 entries of one performer's frame take about 2 ms.
+// Limits the work of one turn: 64 entries with one frame each take about 2 ms.
 constexpr int kEntriesPerTurn = 64;
 
 }  // namespace
@@ -52,7 +52,7 @@ int Replication::DoWork() {
     if (step.entry != nullptr) follower_.OnEntry(*step.entry, step.own_ns);
   }
   work += follower_.DoWaiting(kEntriesPerTurn);
-  // Whatever else comes in any number: what counts as a sign of the leader's life was seen first.
+  // After reading, because the leader's messages end its silence.
   OnChange(standby_.OnTime());
   styles_.PassOn();
   work += sender_.DoWork();
@@ -72,7 +72,7 @@ void Replication::OnChange(Change change) {
     follower_.Clear();
     styles_.Restart();
   } else {
-    follower_.EndWait();  // styles that the leader answered for come here later
+    follower_.EndWait();  // the styles still missing follow later
   }
   mailboxes_.stands_by.store(!standby_.leads(), std::memory_order_relaxed);
   sender_.Clear();
@@ -80,7 +80,7 @@ void Replication::OnChange(Change change) {
   frames_.DropPostponed();
   if (change == Change::kFollow) return standby_.publisher().Hold();
   standby_.input().Expire(performance_.roster.source_names(), performance_.clock.Now_ns());
-  // With a part of the leader's state, those performers go on, in the same epoch.
+  // With a part of the leader's state, its performers continue in the same epoch.
   const bool goes_on = change == Change::kTakeOver || standby_.has_part();
   const std::size_t resent = standby_.publisher().Release(goes_on);
   goes_on ? ContinueFrames(resent) : ProcessBodies(true);
@@ -91,8 +91,8 @@ void Replication::OnChange(Change change) {
   }
 }
 
-// The performers' own frames continue behind the last one that the leader handled, and behind
-// `resent` messages that were sent in this turn already.
+// Processes the buffered frames that follow the leader's last ones. `resent`: number of messages
+// that this turn has sent already.
 void Replication::ContinueFrames(std::size_t resent) {
   const auto& names = performance_.roster.source_names();
   std::unordered_map<std::string, std::size_t> from;
@@ -112,7 +112,7 @@ void Replication::ContinueFrames(std::size_t resent) {
   ProcessBuffered(from, resent);
 }
 
-// A rig that sends its body once, at the beginning, would be unknown for ever.
+// Without this, a rig that sends its body only once would stay unknown.
 void Replication::ProcessBodies(bool of_all) {
   for (const auto& [key, held] : standby_.input().bodies()) {
     if (!of_all && performance_.roster.Find(key.first, key.second) != nullptr) continue;
@@ -129,9 +129,9 @@ void Replication::ProcessBuffered(const std::unordered_map<std::string, std::siz
                                  std::string(frames[i]->frame.performer));
     return found != from.end() && i < found->second;
   };
-  std::size_t messages = performance_.roster.performers.size();  // their bodies
+  std::size_t messages = performance_.roster.performers.size();  // for their bodies
   for (std::size_t i = 0; i < frames.size(); ++i) messages += handled(i) ? 0 : 1;
-  // Each on the rig's topic, the canonical one, the source's and those of the outputs.
+  // Each frame is sent on the topics of the rig, the canonical body, the source and the outputs.
   const std::size_t topics = 3 + performance_.roster.config().outputs.size();
   standby_.publisher().MakeRoom(resent + topics * messages);
   std::array<source::SourceFrame, source::kBatch> batch;
@@ -160,7 +160,7 @@ bool Replication::Answers(pipeline::Exchange& exchange) {
     RefuseOrder(standby_.peer_address(), request, reply);
     if (standby_.looks()) {
       reply.set_code(v1::CODE_NOT_READY);
-      reply.set_reason("this daemon looks whether " + standby_.peer_address() +
+      reply.set_reason("this daemon checks whether " + standby_.peer_address() +
                        " leads: try again in a second");
     }
     return true;
@@ -171,7 +171,7 @@ bool Replication::Answers(pipeline::Exchange& exchange) {
   return true;
 }
 
-// The leader has not got that style. The state, which is fetched again, takes it out of the list.
+// The leader does not have that style. The state, which is fetched again, removes it from the list.
 void Replication::OnReload(pipeline::Reload& reload) {
   if (standby_.leads() || reload.config == nullptr || reload.exchange == nullptr) return;
   pipeline::Exchange& exchange = *reload.exchange;
@@ -186,7 +186,7 @@ void Replication::OnStyleFollowed(const pipeline::Exchange& exchange) {
 }
 
 void Replication::OnConfigRead() {
-  sender_.Resend();  // the standby may have to complain
+  sender_.Resend();  // the standby compares the new configuration with its own
   if (!standby_.leads()) standby_.Refetch();
 }
 

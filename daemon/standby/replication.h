@@ -19,34 +19,34 @@
 
 namespace styled::standby {
 
-// What a pipeline with [standby] does beyond one without (daemon/standby/README.md): as leader it
-// sends what it handles (StateSender), as standby it performs what the leader sends (Follower) and
-// keeps its own rigs' frames, and where the leader's entries end it goes on with those. Pipeline
-// thread; allocates. Pinned by tests/unit/standby and tests/e2e/standby.
+// The additional work of a pipeline with [standby] (daemon/standby/README.md). As the leader it
+// sends its entries (StateSender). As the standby it performs the leader's entries (Follower) and
+// buffers its own rigs' frames; after a takeover it continues with those. Pipeline thread;
+// allocates. Pinned by tests/unit/standby and tests/e2e/standby.
 class Replication {
  public:
-  // `to`: the pipeline, to which notes of the sources go. All must outlive it.
+  // `to`: the pipeline, which receives the sources' notes. All must outlive it.
   Replication(Standby& standby, pipeline::Performance& performance,
               pipeline::FrameProcessor& frames, const Follower::Transports& transports,
               pipeline::Mailboxes& mailboxes, source::Receiver& to);
 
   StateSender& sender() { return sender_; }
-  // Who gets the sources' frames in this turn: the pipeline, or, at the standby, the buffer.
+  // The receiver of the sources' frames in this turn: the pipeline, or at a standby the buffer.
   source::Receiver& receiver();
-  // Call once a turn, before the sources. Returns how much was done.
+  // Call once a turn, before the sources. Returns the number of entries and messages.
   int DoWork();
-  // Answers a request that a standby refuses, or that asks this daemon to lead; false for others.
+  // Answers requests that a standby refuses, and Lead. Returns false for all others.
   bool Answers(pipeline::Exchange& exchange);
-  // A configuration comes from the files thread: refuses the style that this daemon made for a
-  // client while it lost the lead.
+  // Call with each configuration from the files thread. Refuses a style that this daemon has made
+  // for a client if it lost the lead meanwhile.
   void OnReload(pipeline::Reload& reload);
-  // A style of the leader's was made here, or could not be.
+  // A style of the leader was made here, or failed.
   void OnStyleFollowed(const pipeline::Exchange& exchange);
-  // The configuration was read again: the pair compares it anew.
+  // The configuration was read again: the daemons compare their configurations again.
   void OnConfigRead();
 
  private:
-  // Keeps what the sources send for a standby that takes over.
+  // Buffers the frames of a standby's sources for a takeover.
   class BufferingReceiver final : public source::Receiver {
    public:
     explicit BufferingReceiver(Replication& replication) : in_(replication) {}

@@ -41,7 +41,7 @@ Roles::Change Roles::OnPeer(const Peer& peer) {
   const bool leads = peer.role == v1::ROLE_LEADING;
   const bool of_pair = IsOfPair(peer);
   peer_ = peer;
-  if (!of_pair) peer_.term = 0;  // of another pair's leadership
+  if (!of_pair) peer_.term = 0;  // it belongs to the leadership of another pair
   switch (role_) {
     case v1::ROLE_FOLLOWING:
       if (peer.daemon == leader_ && leads) {
@@ -50,7 +50,7 @@ Roles::Change Roles::OnPeer(const Peer& peer) {
         return Change::kNone;
       }
       if (leads) return Start(of_pair ? Change::kFollow : Change::kNone);
-      // It says goodbye, has just started again, or follows: whom this daemon followed is gone.
+      // The leader says goodbye, has restarted, or follows itself: its leadership has ended.
       silence_ns_ = std::max(waits_ns_, kLook_ns);
       return Change::kNone;
     case v1::ROLE_LEADING: {
@@ -73,7 +73,8 @@ Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready, bool whole) {
   last_ns_ = now_ns;
   if (role_ == v1::ROLE_LEADING) Age(std::max<std::int64_t>(passed_ns, 0));
   silence_ns_ += std::clamp<std::int64_t>(passed_ns, 0, hold_ns_ / 4);
-  // Without the leader's state every performer would begin anew: it must be gone for sure.
+  // Without the leader's state all performers would start over, so wait until the leader is
+  // certainly gone.
   const std::int64_t waits_ns = whole ? waits_ns_ : std::max(waits_ns_, kLook_ns);
   if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= waits_ns) {
     return Start(ready ? Change::kTakeOver : Change::kLead);

@@ -12,10 +12,10 @@
 namespace styled::pipeline {
 namespace {
 
-// More entries of one kind are one row.
+// Above this number, all entries of one kind are hashed into one row.
 constexpr std::size_t kMostRows = 64;
 
-// Numbers and texts, one behind the other and none taken for two.
+// Concatenates numbers and texts unambiguously, for a hash.
 class HashedValues {
  public:
   HashedValues& Add(std::string_view text) {
@@ -81,7 +81,7 @@ class SetupRows {
   v1::Setup setup_;
 };
 
-// The names in brackets take each field: one that is new does not compile until it is here, too.
+// The structured binding names every field, so a new field does not compile until it is added here.
 void AddModel(const stylist::Options& options, SetupRows& setup) {
   const auto& [change_tau_s, gap_reset_s, restart_fade_s, jump_m, jump_accept_frames,
                out_of_domain_begin_rad, out_of_domain_end_rad, out_of_domain_fade_s, tilt_begin_rad,
@@ -108,7 +108,7 @@ void AddModel(const stylist::Options& options, SetupRows& setup) {
   setup.Add("model.bypass", bypass);
   const auto& [low_m, high_m, slow_mps, fast_mps, blend_in_s, blend_out_s, reach_m, return_s,
                centre_s, centre, stretch, hips_drop_m, hips_tau_s] = feet_options;
-  HashedValues others;  // which no key of the configuration sets
+  HashedValues others;  // options that no configuration key sets
   others.Add(low_m).Add(high_m).Add(slow_mps).Add(fast_mps).Add(centre_s).Add(centre).Add(stretch);
   setup.AddMs("model.feet_blend_in_ms", blend_in_s);
   setup.AddMs("model.feet_blend_out_ms", blend_out_s);
@@ -148,7 +148,7 @@ HashedValues ValuesOf(const config::Source& source) {
   const auto& [name, type, listen, performer, up, server, group, interface, multicast, coordinates,
                trackers, joints, rate_hz, delay_s, receive_buffer_bytes, max_connections, usb_id,
                serial, smoothing, merge_into, parts, expressions, props, sender_limit_hz] = source;
-  // Each machine's own.
+  // These belong to each machine.
   (void)listen, (void)server, (void)group, (void)interface, (void)multicast;
   (void)receive_buffer_bytes, (void)max_connections, (void)usb_id, (void)serial;
   (void)sender_limit_hz;
@@ -170,7 +170,7 @@ HashedValues ValuesOf(const config::Source& source) {
 std::vector<v1::Setting> SettingsOf(const std::vector<config::Source>& sources) {
   Rows rows;
   for (const config::Source& source : sources) {
-    // Two transports of one name are two rows.
+    // Two sources of the same name get two rows.
     rows.emplace_back(std::to_string(rows.size()) + " " + source.name, ValuesOf(source));
   }
   return Hashed("source", rows);
@@ -179,7 +179,7 @@ std::vector<v1::Setting> SettingsOf(const std::vector<config::Source>& sources) 
 v1::Setup SetupOf(const RuntimeConfig& config, const std::vector<v1::Setting>& sources) {
   SetupRows setup;
   setup.Add("version", STYLED_VERSION);
-  setup.Add("weights", HashText(config.weights_crc));  // with their precision
+  setup.Add("weights", HashText(config.weights_crc));  // the checksum includes their precision
   AddModel(config.stylist, setup);
   AddPerformers(config.performers, setup);
   setup.Add("style.initial", config.style.initial);

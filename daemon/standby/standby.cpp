@@ -13,49 +13,50 @@ namespace styled::standby {
 namespace {
 
 constexpr std::uint32_t kVersion = 3;
-// A clock that no machine has, and a number of messages that no daemon reaches: 146 years of
-// nanoseconds.
+// Above any real clock or message count: 146 years in nanoseconds.
 constexpr std::int64_t kMostTime_ns = std::int64_t{1} << 62U;
 constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62U;
-// Around those of [standby] hold_ms, 20 ms to 5 s, which are rounded.
+// Accepted range of the peer's hold: wider than the allowed values of hold_ms, 20 ms to 5 s, which
+// are rounded.
 constexpr std::uint64_t kLeastHold_ns = 10'000'000, kMostHold_ns = 10'000'000'000;
-// A daemon of whom nothing was heard for so long does not listen.
+// A peer that was silent for this long does not count as connected.
 constexpr std::int64_t kHeard_ns = 1'000'000'000;
-// While nothing is heard from the other daemon, this one connects anew after so long each time.
+// Interval at which this daemon connects again while the peer is silent.
 constexpr std::int64_t kReconnect_ns = 2'000'000'000;
-// The answer to Ask comes with the leader's next turn.
+// Longest wait for the answer to Ask, which comes with the leader's next turn.
 constexpr std::int64_t kAnswer_ns = 1'000'000'000;
-// Signs of life per hold: one may be lost to a turn that takes long.
+// Heartbeats per hold: one may be missing because of a long turn.
 constexpr int kBeats = 5;
-// However long the hold: the other daemon is to be heard within kHeard_ns, and before it leads
-// alone (Roles::kLongestWait_ns).
+// Longest interval of heartbeats, whatever the hold. The peer must be heard within kHeard_ns, and
+// before it takes over (Roles::kLongestWait_ns).
 constexpr std::int64_t kLongestBeat_ns = 200'000'000;
-// Clocks drift apart by 20 microseconds a second and more.
+// The clock difference is measured again in each such window, because clocks drift apart by 20
+// microseconds a second and more.
 constexpr std::int64_t kWindow_ns = 10'000'000'000;
-// The whole state is sent so many times at once, as a standby needs that has just started and
-// imports styles, and then once in this time: whoever subscribes again and again takes no more of
-// the leader's time.
+// The whole state is sent this many times in succession, which a standby needs that has just
+// started and imports styles. After that it is sent once per kStateEvery_ns, which limits the cost
+// of a client that keeps subscribing.
 constexpr int kStatesAtOnce = 3;
 constexpr std::int64_t kStateEvery_ns = 1'000'000'000;
-// A standby that connects and asks makes two in a second.
+// A standby that connects and requests the state causes two per second.
 constexpr int kUsualAsks = 10;
 constexpr std::int64_t kSetupEvery_ns = 1'000'000'000;
 constexpr const char* kOtherPair =
-    "that daemon hears another one than this: expected its standby.peer to be this one's "
+    "that daemon receives a third one: expected its standby.peer to be this daemon's "
     "standby.address";
-constexpr std::size_t kQuoted = 80;  // bytes of a value of the other daemon's that is shown
-// In each list of a state's messages: a leader has 1,088 places of styles and 1,024 performers at
-// most. A message of 16 MiB could name millions, each a node of the set of what is awaited.
+constexpr std::size_t kQuoted = 80;  // shown bytes of a value from the peer
+// Limit of each list in a state's messages: a leader has at most 1,088 style places and 1,024
+// performers. A message of 16 MiB could name millions, each a node in the set of awaited parts.
 constexpr int kMostListed = 2048;
 constexpr std::size_t kMostDiffers = 16, kShownDiffers = 3;
-// Awaited beside performers, whose ids contain a dot, "*" and styles.
+// Names in awaited_ besides styles, "*" and performer ids, which contain a dot.
 constexpr const char* kSettings = "settings";
 constexpr const char* kNobody = "";
 
 std::string OfStyle(const std::string& name) { return "style " + name; }
 std::string OfFading(std::uint32_t place) { return "style in place " + std::to_string(place); }
 
-// What an entry is about, for messages.
+// The content of an entry, for messages.
 std::string TitleOf(const v1::Journal& entry) {
   switch (entry.what_case()) {
     case v1::Journal::kBatch:
@@ -96,7 +97,7 @@ void RefuseOrder(const std::string& peer, const v1::Request& request, v1::Reply&
   reply.set_id(request.id());
   reply.set_code(v1::CODE_STANDBY);
   reply.set_reason("this daemon is the standby of " + peer +
-                   ": command that one, or let this one lead (stylectl lead)");
+                   ": send the request there, or let this daemon lead (stylectl lead)");
 }
 
 Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config,
@@ -164,7 +165,7 @@ Standby::Change Standby::Note(Change change) {
       break;
     case Change::kTakeOver:
       ++takeovers_;
-      line_ = "leads from here on, in the place of " + config_.peer;
+      line_ = "leads from now on, in place of " + config_.peer;
       sync_ = Sync::kNone;
       break;
     case Change::kLead: {
@@ -220,14 +221,16 @@ Status Standby::Read() {
   return Status::Ok();
 }
 
-// It may come from whoever has the peer's address now, so nothing here depends on it.
+// The message may come from any program at the peer's address, so it has no effect on roles or
+// state.
 void Standby::Refuse(std::string why) {
   ++refused_;
   refused_why_ = std::move(why);
   complaint_ = "a message from " + config_.peer + " is ignored: " + refused_why_;
 }
 
-// The other daemon may have heard the last start of this one: only what lasts is told.
+// The peer may still have received the previous start of this daemon, so only a lasting mismatch is
+// reported.
 void Standby::NotePair(const Peer& peer, std::int64_t now_ns) {
   if (roles_.IsOfPair(peer)) {
     stranger_ns_ = 0;
@@ -272,7 +275,7 @@ bool Standby::Next(Step& step) {
   if (roles_.IsOfPair(peer)) roles_.SetHoldOfPeer(static_cast<std::int64_t>(in_.hold_ns()));
   const bool led = leads();
   const Change change = roles_.OnPeer(peer);
-  // Whoever takes the lead has everything of this daemon's journal first.
+  // A daemon that takes the lead first receives this daemon's whole journal.
   if (led && change == Change::kFollow) SayGoodbye();
   step.change = Note(change);
   if (roles_.role() != v1::ROLE_FOLLOWING || step.change != Change::kNone) return true;
@@ -353,7 +356,7 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
     *out_.mutable_setup() = setup_;
     setup_sent_ns_ = sent_ns;
   }
-  out_.SerializeToString(&bytes_);  // which measures it
+  out_.SerializeToString(&bytes_);  // also computes the size
   if (bytes_.size() > channel_->max_bytes()) {
     NameTooLarge(bytes_.size());
     out_.SerializeToString(&bytes_);
@@ -377,8 +380,8 @@ int Standby::DoSubscriptions() {
     const Channel::Subscription next = channel_->NextSubscription();
     if (next == Channel::Subscription::kNone) break;
     if (next == Channel::Subscription::kEnded) continue;
-    // It listens, although what it says may not come yet. Who has not listened before has not heard
-    // the setup.
+    // It is connected, although its own messages may not have arrived yet. A peer that was not
+    // connected before has not received the setup, so the next message includes it.
     if (!listens_ || now_ns - listened_ns_ >= kHeard_ns) setup_sent_ns_ = now_ns - kSetupEvery_ns;
     listened_ns_ = now_ns;
     listens_ = true;
@@ -461,8 +464,7 @@ void Standby::Failed(std::string why) {
   }
   if (!was_ready) return;
   sync_ = Sync::kFetching;
-  awaited_.insert(
-      kNobody);  // it ends with the next fetch: at once, or kAgain_ns after the last one
+  awaited_.insert(kNobody);  // removed by the next fetch: at once, or kAgain_ns after the last one
   if (Now_ns() - asked_ns_ >= kAgain_ns) Refetch();
 }
 
@@ -478,11 +480,11 @@ void Standby::Compared(log::Comparison comparison) {
 }
 
 std::string Standby::WhyNot() const {
-  if (roles_.role() == v1::ROLE_LOOKING) return "it looks whether the other one leads";
+  if (roles_.role() == v1::ROLE_LOOKING) return "it checks whether the other daemon leads";
   if (!why_not_.empty()) return why_not_;
   if (stranger_ns_ != 0) return kOtherPair;
   if (!differs_.empty()) {
-    std::string text = "it is set up otherwise than the leader: ";
+    std::string text = "its configuration differs from the leader's: ";
     for (std::size_t i = 0; i < std::min(differs_.size(), kShownDiffers); ++i) {
       text += (i == 0 ? "" : "; ") + differs_[i];
     }
@@ -493,7 +495,7 @@ std::string Standby::WhyNot() const {
   }
   if (apart_of_last_.count() > kMostApart) {
     return std::to_string(apart_of_last_.count()) + " of the last " + std::to_string(kWindow) +
-           " poses came out otherwise than the leader's";
+           " poses differ from the leader's";
   }
   return "the state is being fetched";
 }

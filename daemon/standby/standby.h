@@ -23,7 +23,7 @@
 
 namespace styled::standby {
 
-// A clock that stands at the moment of what the standby does again.
+// A clock that can be stopped at the time of the entry that the standby performs.
 class FollowClock final : public runtime::Clock {
  public:
   explicit FollowClock(const runtime::Clock& base) : base_(base) {}
@@ -43,12 +43,12 @@ class FollowClock final : public runtime::Clock {
   std::int64_t now_ns_ = 0, wall_ns_ = 0;
 };
 
-// The reply of a standby to a request that would change something.
+// Fills the reply of a standby to a request that would change something.
 void RefuseOrder(const std::string& peer, const v1::Request& request, v1::Reply& reply);
 
-// One of two daemons that stand in for each other ([standby]): who leads, what it tells the other
-// one, and what the other one says. What the pipeline does with that is in pipeline/following.cpp.
-// Pipeline thread; allocates.
+// One daemon of a pair, each of which can take over from the other ([standby]): its role, its
+// journal for the peer, and the peer's journal. Replication applies both to the pipeline. Pipeline
+// thread; allocates.
 class Standby {
  public:
   using Change = Roles::Change;
@@ -56,26 +56,26 @@ class Standby {
   // `daemon`: random, identifies this start. `publisher` and `clock` must outlive it.
   Standby(std::unique_ptr<Channel> channel, const config::Standby& config, std::uint64_t daemon,
           publish::Publisher& publisher, const runtime::Clock& clock);
-  // What decides this daemon's poses, for the other one, which says its own: a standby of another
-  // setup is not ready. Call again where it changes.
+  // The settings that affect this daemon's poses. They are sent to the peer, which compares them
+  // with its own: a standby whose settings differ is not ready. Call again after a change.
   void SetSetup(v1::Setup setup);
 
-  // For the pipeline, in place of the daemon's own.
+  // For the pipeline, instead of the daemon's own.
   FollowClock& clock() { return clock_; }
   BufferedPublisher& publisher() { return publisher_; }
   InputBuffer& input() { return input_; }
   bool leads() const { return roles_.role() == v1::ROLE_LEADING; }
 
-  // Reads the other daemon's next message; false when there is none. `entry` is what the follower
-  // does again, at `own_ns` of this daemon's clock; null: nothing. Valid until the next call. What
-  // is no message of the other daemon is counted, told and changes nothing.
+  // Reads the peer's next message; false when there is none. `entry`: the entry that the follower
+  // must perform at `own_ns` on this daemon's clock; null: none. Valid until the next call. A
+  // message that is not from the peer's journal is counted, logged and otherwise ignored.
   struct Step {
     Change change = Change::kNone;
     v1::Journal* entry = nullptr;  // until the next call; the caller may take it
     std::int64_t own_ns = 0;
   };
   bool Next(Step& step);
-  // Call once a turn, after Next: what silence decides. Says that this daemon is alive.
+  // Call once a turn, after Next: applies the effects of silence, and sends heartbeats.
   Change OnTime();
   std::int64_t NextDeadline_ns() const { return sent_ns_ + beat_ns_; }
   // Somebody wants this daemon to lead. Returns why it cannot, or "": it does so as soon as the
@@ -84,54 +84,54 @@ class Standby {
   // Tells the other one that this daemon stops, so that it need not wait.
   void Leave();
 
-  // The leader's part. `epoch`: of its frames.
+  // For the leader. `epoch`: of its frames.
   void SetEpoch(std::uint64_t epoch) { epoch_ = epoch; }
-  // Whether the other daemon listens. While it does not, entries are only counted.
+  // Whether the peer is connected. While it is not, entries are counted and not sent.
   bool wanted() const;
   // An empty entry to fill and to Send.
   v1::Journal& NewEntry();
-  // Of an entry beyond the largest message the standby hears its name and size instead.
+  // Sends the entry. If it is too large for a message, sends its name and size instead.
   void Send(std::int64_t now_ns, std::int64_t wall_ns);
   void SkipEntry() { ++number_; }
-  // Reads who subscribes, at most kSubscriptionsPerTurn; returns how many were read.
+  // Reads changed subscriptions, at most kSubscriptionsPerTurn; returns how many.
   int DoSubscriptions();
-  // True once after the other daemon, or anybody, asked for everything: three times at once, and
-  // then once a second. The rest waits.
+  // Returns true once after the peer, or another program, has requested the whole state. Requests
+  // beyond the limit (three in succession, then one a second) wait.
   bool PopAsked();
 
-  // The follower's part. Ready: it has the state of all performers, its setup is the leader's, and
-  // no more than one in a hundred of the last poses are apart from the leader's. Whole: it has the
-  // state.
+  // For the follower. Ready: it has the state of all performers, its settings equal the leader's,
+  // and at most 1 % of the last poses differ from the leader's (log::Comparison::kApart). Whole: it
+  // has the state.
   bool ready() const;
   bool whole() const;
   bool looks() const { return roles_.role() == v1::ROLE_LOOKING; }
-  // It has at least a part of the leader's state, in whose epoch it then goes on.
+  // Whether it has at least a part of the leader's state. It then takes over in the leader's epoch.
   bool has_part() const { return has_part_; }
-  // False: this daemon has everything, and the state that comes is for somebody else.
+  // Returns false if this daemon has the whole state already, and another program requested it.
   bool Begin(const v1::Journal& entry);
-  // The state comes: its parts are for this daemon.
+  // Whether the state is being fetched, so that its parts are for this daemon.
   bool fetches() const { return sync_ == Sync::kFetching; }
-  // The last part of the settings was taken over; the performers' checkpoints are to come.
+  // The last part of the settings was restored; the performers' checkpoints follow.
   void SettingsRestored(const v1::SettingsPart& last);
   void StyleRestored(const v1::StylePart& part);
   void Restored(const std::string& performer);
-  // A part of the state could not be taken over, or something not be repeated: what is here is not
-  // the leader's state, until it was fetched again.
+  // A part of the state could not be restored, or an entry could not be performed: this daemon's
+  // state is invalid until it is fetched again.
   void Failed(std::string why);
-  // Asks for the whole state, since what is here may differ from the leader's.
+  // Requests the whole state, because this daemon's state may differ from the leader's.
   void Refetch();
-  // How a frame was styled: the whole state is fetched again where poses are apart, at most every
-  // 10 s. Counts only while the standby has everything.
+  // Result of the comparison of a frame. If poses are apart, the whole state is fetched again, at
+  // most every 10 s. Counts only while the standby has the whole state.
   void Compared(log::Comparison comparison);
-  // The last frames that the leader handled, by performer id.
+  // The last frames that the leader processed, by performer id.
   std::unordered_map<std::string, LastHandled> last;
-  // Ids of performers whose settings the leader keeps.
+  // Ids of performers whose settings the leader saves.
   std::set<std::string> configured;
 
   void Describe(v1::StandbyState& state) const;
-  // A line for the log, once; "": none.
+  // The next line for the log, once; "": none.
   std::string PopLine() { return std::exchange(line_, {}); }
-  // The same of what is wrong; the caller limits how often.
+  // The next warning, once; the caller limits how often it is logged.
   std::string PopComplaint() { return std::exchange(complaint_, {}); }
   const std::string& peer_address() const { return config_.peer; }
 
@@ -139,8 +139,8 @@ class Standby {
   enum class Sync : std::uint8_t { kNone, kAsked, kFetching, kReady };
   static constexpr int kSubscriptionsPerTurn = 64;
   static constexpr std::int64_t kAgain_ns = 10'000'000'000;
-  // Of the last so many poses that were compared, five seconds of one performer, more than so many
-  // are apart: it is not a frame or two around a loss.
+  // Number of compared poses, five seconds of one performer, and how many of them may be apart. One
+  // or two around a loss are within the limit.
   static constexpr std::size_t kWindow = 600, kMostApart = kWindow / 100;
 
   Change Note(Change change);
@@ -157,7 +157,7 @@ class Standby {
 
   const config::Standby config_;
   const std::uint64_t daemon_;
-  const std::int64_t beat_ns_;  // between signs of life
+  const std::int64_t beat_ns_;  // interval of heartbeats
   std::unique_ptr<Channel> channel_;
   FollowClock clock_;
   BufferedPublisher publisher_;
@@ -165,7 +165,7 @@ class Standby {
   Roles roles_;
 
   std::uint64_t epoch_;
-  std::uint64_t number_ = 0;  // of the last message that was sent
+  std::uint64_t number_ = 0;  // of the last message sent
   std::int64_t sent_ns_ = 0;
   v1::Journal out_, in_;
   std::string bytes_;
@@ -177,21 +177,21 @@ class Standby {
 
   Sync sync_ = Sync::kNone;
   std::int64_t asked_ns_ = 0;
-  bool asking_ = false;  // no Beginning has come since
+  bool asking_ = false;  // no Beginning has arrived since
   bool gap_ = false;     // entries were lost since the last Beginning
   std::uint64_t heard_daemon_ = 0, heard_number_ = 0;
   std::int64_t heard_ns_ = 0, reconnected_ns_ = 0;
-  std::int64_t listened_ns_ = 0;  // when somebody subscribed last, or the other daemon was heard
-  // The leader's clock minus this daemon's: the largest difference seen is that of the fastest
+  std::int64_t listened_ns_ = 0;  // time of the last subscription or message
+  // The leader's clock minus this daemon's. The largest difference seen belongs to the fastest
   // message.
   std::int64_t ahead_ns_ = 0, best_ahead_ns_ = 0;
-  std::int64_t window_ns_ = 0;  // since when the best is measured
-  // Since when the other daemon hears a third one; 0: it does not.
+  std::int64_t window_ns_ = 0;  // begin of the measurement of best_ahead_ns_
+  // Time since which the peer receives a third daemon; 0: it does not.
   std::int64_t stranger_ns_ = 0;
   bool heard_ = false, listens_ = false, has_part_ = false;
-  bool asked_ = false;               // everything, and it was not sent yet
-  std::int64_t next_state_ns_;       // when the state may be sent, of the second in a row
-  std::int64_t asks_window_ns_ = 0;  // since when asks_ are counted
+  bool asked_ = false;               // the whole state is requested and not sent yet
+  std::int64_t next_state_ns_;       // earliest time at which the state is sent again
+  std::int64_t asks_window_ns_ = 0;  // begin of the count asks_
   int asks_ = 0;
   std::set<std::string> awaited_;
   std::string why_not_, line_, complaint_, refused_why_;

@@ -17,7 +17,7 @@ namespace {
 using pipeline::Places;
 using pipeline::Profile;
 
-// In one part of the state. Each may have the calibration of a rig of many joints, 10 kB of text.
+// Per part of the state. Each may contain the calibration of a rig with many joints, 10 kB of text.
 constexpr std::size_t kSettingsPerPart = 16;
 
 }  // namespace
@@ -94,7 +94,7 @@ void StateSender::SendPart() {
   }
 }
 
-// Performers who come behind the last part find their settings at the standby.
+// The standby has the settings of performers that arrive after the last part.
 void StateSender::FillSettings(v1::SettingsPart& part) {
   std::vector<Profile> profiles;
   while (!unsent_settings_.empty() && profiles.size() < kSettingsPerPart) {
@@ -120,7 +120,7 @@ void StateSender::FillStyle(const std::string& name, v1::StylePart& part) {
   if (made != config.made.end()) part.set_file(FormatStyleFile(*made->second, config));
 }
 
-// A style that has another place by now, or none, and from which performers still fade out.
+// A style that was replaced or removed, while performers still fade out of it.
 void StateSender::FillFading(const Part& from, v1::StylePart& part) {
   part.set_name(from.name);
   part.set_fading(static_cast<std::uint32_t>(from.place));
@@ -179,7 +179,7 @@ void StateSender::OnRequest(std::int64_t now_ns, const v1::Request& request,
   if (!done || !log::Changes(request) || !Sends()) return;
   v1::Request& entry = *standby_.NewEntry().mutable_request();
   entry = request;
-  // A style that was made is handed over as it is, not made again.
+  // A made style is sent as a file, so that the standby does not make it again.
   const pipeline::RuntimeConfig& config = performance_.roster.config();
   const auto made = config.made.find(reply.like().name());
   if ((request.has_like() || request.has_import_style()) && made != config.made.end()) {

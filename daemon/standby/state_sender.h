@@ -15,26 +15,27 @@
 
 namespace styled::standby {
 
-// The "checkpoint" of performers who are not here: the number with which their frames may begin.
+// Name of the "checkpoint" for future performers: the first sequence number of their frames.
 inline constexpr const char* kJournalSequences = "*";
 
-// The leader's part of [standby]: sends what the leader handles, entry by entry, and its whole
-// state when the standby asks for it. While this daemon follows, it sends nothing. Pipeline thread;
-// allocates. Pinned by tests/unit/standby.
+// The leader's half of [standby]: sends each processed entry, and its whole state when the standby
+// requests it. While this daemon follows, it sends nothing. Pipeline thread; allocates. Pinned by
+// tests/unit/standby.
 class StateSender final : public log::Writer {
  public:
   // Both must outlive it.
   StateSender(Standby& standby, pipeline::Performance& performance)
       : standby_(standby), performance_(performance) {}
 
-  // Sends at most one part of the state, so that no frame waits for all of them. Whoever asks
-  // meanwhile waits for the end. Returns how much was done.
+  // Sends at most one part of the state, so that frames do not wait for all of them. Requests
+  // during the transfer wait for its end. Returns the number of messages read and sent.
   int DoWork();
-  // The standby gets the whole state again, as after a change of the leader's configuration.
+  // Sends the whole state again, for example after a change of the leader's configuration.
   void Resend() { resend_ = true; }
-  // Drops what is unsent: the role has changed.
+  // Drops unsent parts, because the role has changed.
   void Clear();
-  // What decides the poses, for the other daemon to compare (setup.h). Call again after a change.
+  // Sets the configuration that the peer compares with its own (setup.h). Call again after a
+  // change.
   void AdvertiseSetup(const std::vector<config::Source>& sources);
   void AdvertiseSetup();
 
@@ -52,7 +53,7 @@ class StateSender final : public log::Writer {
     std::size_t place = 0;  // of kFading
   };
 
-  // Whether an entry is sent; one that nobody listens for is only counted.
+  // Whether entries are sent; without a connected standby they are only counted.
   bool Sends();
   void SendBeginning();
   void SendPart();

@@ -14,7 +14,7 @@ using pipeline::Exchange;
 using pipeline::MadeStyle;
 using pipeline::Places;
 
-// A leader's styles are as many at most.
+// A leader has at most this many styles.
 constexpr std::size_t kMostRequests = 2048;
 constexpr const char* kTitle = "a style of the leader's";  // in errors
 
@@ -26,12 +26,12 @@ void StyleFollower::Restart() {
   fetches_afterwards_ = under_way_ > 0;
 }
 
-// Motions name styles by their place. Once every style is here they get the leader's places, and
-// everything is fetched again.
+// Motions refer to styles by place. Once this daemon has all styles, it adopts the leader's places,
+// and the whole state is fetched again.
 void StyleFollower::OnBeginning(const v1::Beginning& beginning) {
   arrange_.reset();
   theirs_.reset();
-  // A message may name millions of places; no leader has so many.
+  // A message can name millions of places; a leader has at most kMostPlaces.
   if (static_cast<std::size_t>(beginning.places_size()) > pipeline::kMostPlaces) return;
   Places theirs;
   for (const std::string& name : beginning.places()) theirs.entries.push_back({name, false});
@@ -63,7 +63,7 @@ bool StyleFollower::OnStyle(const v1::StylePart& part) {
   return part.file().empty() || !ImportsMissing(part.file());
 }
 
-// While the styles themselves are not all here, everything is fetched again anyway.
+// While styles are still missing, the whole state is fetched again anyway.
 void StyleFollower::OnFading(const v1::StylePart& part) {
   if (!theirs_ || fading_to_come_ == 0 || part.fading() >= theirs_->entries.size()) return;
   --fading_to_come_;
@@ -76,7 +76,7 @@ void StyleFollower::OnFading(const v1::StylePart& part) {
   if (fading_to_come_ == 0) ArrangeIfOther();
 }
 
-// A style that the leader has made and this daemon perhaps has not: true, then.
+// Imports a style of the leader if this daemon lacks it. Returns true in that case.
 bool StyleFollower::ImportsMissing(const std::string& file) {
   const pipeline::RuntimeConfig& config = performance_.roster.config();
   const auto parsed = pipeline::ParseStyleFile(file, kTitle, config);
@@ -92,7 +92,7 @@ bool StyleFollower::ImportsMissing(const std::string& file) {
 }
 
 void StyleFollower::Import(const std::string& file) {
-  // Asked for twice, it would get a second place among the styles.
+  // A second import would give it a second place among the styles.
   if (std::ranges::count(imports_, file) != 0) return;
   imports_.push_back(file);
   v1::Request request;
@@ -114,7 +114,7 @@ void StyleFollower::Enqueue(v1::Request request) {
   PassOn();
 }
 
-// A full mailbox leaves the exchange as it is.
+// If the mailbox is full, the exchange stays unchanged.
 bool StyleFollower::Push(std::unique_ptr<Exchange>& exchange) {
   exchange->followed = true;
   if (!mailboxes_.takes.Push(std::move(exchange))) return false;
@@ -145,7 +145,7 @@ bool StyleFollower::OnFollowed(const Exchange& exchange) {
   }
   PassOn();
   if (under_way_ > 0) return false;
-  // Once more, if it can succeed.
+  // Fetch again, if that can succeed.
   const bool failed = std::exchange(failed_, false);
   if (std::exchange(fetches_afterwards_, false) && !failed && !standby_.leads()) {
     standby_.Refetch();

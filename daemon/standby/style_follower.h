@@ -15,9 +15,9 @@
 
 namespace styled::standby {
 
-// Makes a standby's list of styles the leader's: what the leader did to styles is done by this
-// daemon's files thread, in the leader's order, and its places are taken over once all styles are
-// here. Pipeline thread; allocates. Pinned by tests/unit/standby/following_test.cpp.
+// Keeps a standby's list of styles equal to the leader's. This daemon's files thread repeats the
+// leader's changes of styles in order. Once all styles are complete, this daemon adopts the
+// leader's places. Pipeline thread; allocates. Pinned by tests/unit/standby/following_test.cpp.
 class StyleFollower {
  public:
   // All must outlive it.
@@ -25,20 +25,21 @@ class StyleFollower {
                 pipeline::Mailboxes& mailboxes)
       : standby_(standby), performance_(performance), mailboxes_(mailboxes) {}
 
-  // The leader's places, which come with the beginning of its state.
+  // Sets the leader's places, which come with the beginning of its state.
   void OnBeginning(const v1::Beginning& beginning);
-  // A style of the leader's state. False: it is imported first, and the state then fetched again.
+  // A style of the leader's state. Returns false if it must be imported first; the state is then
+  // fetched again.
   bool OnStyle(const v1::StylePart& part);
-  // A request of the leader's about styles.
+  // Repeats a request for styles that the leader has executed.
   void Follow(const v1::Request& request);
-  // Hands what waits to the files thread, as far as its mailbox has room.
+  // Passes queued requests to the files thread, as far as its mailbox has room.
   void PassOn();
-  // The files thread did one of them, or could not. Returns true once all are done.
+  // The files thread has executed a request, or failed. Returns true once all are done.
   bool OnFollowed(const pipeline::Exchange& exchange);
-  // What was not done at the leader's frame makes the state differ: it is fetched again once all
-  // styles are done.
+  // The state differs because a change was not applied at the leader's frame: fetches it again once
+  // all styles are done.
   void FetchAfterwards() { fetches_afterwards_ = true; }
-  // This daemon follows from now on: what waits is void.
+  // This daemon follows from now on: queued requests are void.
   void Restart();
   void ForgetPlaces() { arrange_.reset(); }
 
@@ -53,13 +54,13 @@ class StyleFollower {
   Standby& standby_;
   pipeline::Performance& performance_;
   pipeline::Mailboxes& mailboxes_;
-  std::deque<v1::Request> requests_;         // that wait for room in the mailbox
-  std::optional<pipeline::Places> arrange_;  // the leader's places, to be taken over after those
-  std::optional<pipeline::Places> theirs_;   // of the state that is being fetched
+  std::deque<v1::Request> requests_;         // wait for room in the mailbox
+  std::optional<pipeline::Places> arrange_;  // the leader's places, adopted after requests_
+  std::optional<pipeline::Places> theirs_;   // of the state being fetched
   std::size_t fading_to_come_ = 0;           // of theirs_
-  int under_way_ = 0;                        // handed to the files thread
-  std::vector<std::string> imports_;         // files of styles among both
-  bool failed_ = false;                      // one, since all were done
+  int under_way_ = 0;                        // requests passed to the files thread
+  std::vector<std::string> imports_;         // files of styles in both
+  bool failed_ = false;                      // a request has failed since all were done
   bool fetches_afterwards_ = false;
 };
 

@@ -281,7 +281,8 @@ class Several final : public Stylizer {
     }
   }
 
-  // The parts of a job.
+  // Divides a job's styles among the networks that have them. Neutral belongs to the input style's
+  // network.
   void Divide(const StepJob& job, std::span<Share> shares) const noexcept {
     const std::size_t home =
         job.input_style > 0 && static_cast<std::size_t>(job.input_style) < places_.size()
@@ -305,6 +306,8 @@ class Several final : public Stylizer {
       const bool wanted = shares[n].weight > 0 || (!any && n == Home(job.input_style));
       if (part.awake == 0 && wanted) {
         networks_[n].network->Start(*part.stream);
+        // A network that starts in the middle of a stream shows its change gradually (Join); in a
+        // stream's first step it shows all of it.
         part.steps = stream.fresh ? kWakeSteps : 0;
       }
       part.awake = wanted ? stay_awake_ : std::max(0, part.awake - 1);
@@ -313,18 +316,24 @@ class Several final : public Stylizer {
     stream.fresh = false;
   }
 
+  // The network whose reconstruction counts while no style is active: that of the input style,
+  // otherwise the first.
   std::size_t Home(int input_style) const noexcept {
     const auto at = static_cast<std::size_t>(input_style);
     return input_style > 0 && at < places_.size() ? places_[at].network : 0;
   }
 
+  // Steps at most kTogether streams. The networks run one after the other, each for all jobs, so
+  // that its weights are read once.
   void StepSome(std::span<const StepJob> jobs) const noexcept {
+    // 1. Divide each job's styles among the networks, and decide which networks run for it.
     std::array<std::array<Share, kMaxNetworks>, kTogether> shares{};
     for (std::size_t j = 0; j < jobs.size(); ++j) {
       const auto own = std::span(shares[j]).first(networks_.size());
       Divide(jobs[j], own);
       Wake(jobs[j], own, static_cast<Parts&>(*jobs[j].stream));
     }
+    // 2. Step each network for the jobs in which it runs.
     for (std::size_t n = 0; n < networks_.size(); ++n) {
       std::array<StepJob, kTogether> theirs;
       std::size_t count = 0;
@@ -332,8 +341,11 @@ class Several final : public Stylizer {
         Part& part = static_cast<Parts&>(*jobs[j].stream).parts[n];
         if (part.awake == 0) continue;
         const Share& share = shares[j][n];
+        // Each network has its own numbers: same_ finds its style of the input style's name, or
+        // neutral.
         const auto input = static_cast<std::size_t>(std::max(0, jobs[j].input_style));
         const body::Pose* pose = jobs[j].pose;
+        // The network sees the pose with the carriage of the performers that it was trained on.
         if (turns_[n]) {
           part.pose = *pose;
           Turn(*turns_[n], part.pose.rotations);
@@ -349,13 +361,15 @@ class Several final : public Stylizer {
       if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
       if (turns_[n]) TurnBack(jobs, n);
     }
+    // 3. Combine the predictions of each job's networks into one.
     for (std::size_t j = 0; j < jobs.size(); ++j) {
       Join(static_cast<const Parts&>(*jobs[j].stream), shares[j], Home(jobs[j].input_style),
            *jobs[j].out);
     }
   }
 
-  // Predictions refer to the given pose. The change of style stays the same.
+  // Turns the predictions back to the carriage of the given pose. The change of style is
+  // unaffected.
   void TurnBack(std::span<const StepJob> jobs, std::size_t network) const noexcept {
     Turns back = *turns_[network];
     for (body::Quat& turn : back) turn = turn.conjugate();
@@ -367,7 +381,8 @@ class Several final : public Stylizer {
     }
   }
 
-  // The changes of all networks that have an active style.
+  // Combines the predictions. The reconstruction is that of the network with the largest share; the
+  // changes of all networks with an active style are added to it as rotation vectors.
   void Join(const Parts& stream, std::span<const Share> shares, std::size_t home,
             Prediction& out) const noexcept {
     std::size_t first = home, count = 0;
@@ -376,6 +391,7 @@ class Several final : public Stylizer {
       if (count++ == 0 || shares[n].weight > shares[first].weight) first = n;
     }
     out = stream.parts[first].out;
+    // The usual case: the prediction of a single network is passed on, bit for bit.
     if (count <= 1 && stream.parts[first].steps == kWakeSteps) return;
     std::array<body::Vec3, body::kJointCount> change;
     change.fill(body::Vec3::Zero());

@@ -1,5 +1,5 @@
-// Step 1 of the stylist: a frame's time, its pose on the canonical humanoid, the way over the
-// floor, and what of it the network sees.
+// Step 1 of the stylist: a frame's time, its pose on the canonical humanoid, the path over the
+// floor, and the pose that the network sees.
 #include <algorithm>
 
 #include "model/stylist/stylist_impl.h"
@@ -32,12 +32,12 @@ void Stylist::Impl::CheckTiming(std::int64_t time_ns, Output& out) noexcept {
     rig_feet.Reset();
     fresh_session = true;
   }
-  // A hole longer than gap_reset_s is never bridged, even if every hole is as long: a sender whose
-  // clock steps by minutes would have every tick between run in one frame.
+  // A hole longer than gap_reset_s is never bridged, even if every hole is as long: otherwise a
+  // sender whose clock steps by minutes would make one frame run every tick in between.
   const double usual_s = predictor.frame_period_s();
   if (started && dt_s > options.gap_reset_s) {
-    // A slow rig's frames are all that far apart: only a hole longer than the last one conceals
-    // frames.
+    // The frames of a slow rig are all that far apart: only a hole longer than the last one means
+    // lost frames.
     if (last_gap_s == 0 || dt_s > tuning::kGapFactor * last_gap_s) out.flags |= kConcealed;
     last_gap_s = dt_s;
     RestartAfterGap();
@@ -62,7 +62,8 @@ void Stylist::Impl::RestartAfterGap() noexcept {
   filter.RestartAfterGap(started, dt_s, options);
 }
 
-// The way over the floor is scaled as far as the style is shown, and only where legs show it.
+// The path over the floor is scaled in the share in which the style is shown, and only if legs are
+// styled.
 void Stylist::Impl::UpdateTravel(Output& out) noexcept {
   const float shown =
       domain.weight() * std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));

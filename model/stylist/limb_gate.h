@@ -13,8 +13,8 @@
 
 namespace styled::stylist {
 
-// The limbs that a network can know or not, independently of each other. Head and torso are one:
-// the spine moves both.
+// The limbs whose motion a network can know or not know independently. Head and torso are one,
+// because the spine moves both.
 enum class Limb : std::uint8_t { kLeftArm, kRightArm, kTrunk, kLeftLeg, kRightLeg };
 inline constexpr int kLimbCount = 5;
 inline constexpr std::array<std::string_view, kLimbCount> kLimbNames{

@@ -1,4 +1,4 @@
-// Steps 5 and 6 of the stylist, the check of what they made, and what of the frame is reported.
+// Steps 5 and 6 of the stylist, the check of their results, and the data reported about the frame.
 #include <algorithm>
 #include <span>
 
@@ -42,8 +42,8 @@ void Stylist::Impl::Unbind(Output& out) noexcept {
 }
 
 // With a weight of 0, the feet stages only track the performer's contacts. Feet are held only if a
-// style moves them: one of the torso or of a leg. Not scaled by the gate: a limb that fades to its
-// own motion takes its offset along, and to let go of the foot as well made kicks jerk.
+// style moves them: one of the torso or of a leg. The hold is not scaled by the gate: a limb that
+// fades to its own motion keeps its offset, and releasing the foot as well made kicks jerk.
 void Stylist::Impl::HoldFeet(Output& out) noexcept {
   const auto dt = static_cast<float>(dt_s);
   float style = 0;
@@ -81,8 +81,8 @@ void Stylist::Impl::GuardOutput(Output& out) noexcept {
   if (failed()) FallBackToInput(out);
 }
 
-// Clears the whole state of the styling, because NaN in it would stay for good; the style is then
-// faded in.
+// Clears the whole state of the styling, because NaN would remain in it. The style is then faded
+// in.
 void Stylist::Impl::FallBackToInput(Output& out) noexcept {
   predictor.RestartStates();
   filter.Clear();
@@ -99,10 +99,11 @@ void Stylist::Impl::FallBackToInput(Output& out) noexcept {
 
 void Stylist::Impl::Finish(Output& out) noexcept {
   out.reconstruction_rad = predictor.reconstruction_rad();
-  out.turned_rad = failed() ? 0
-                          : (filter.applied().leftCols<body::kJointCount>().colwise().norm().sum() +
-                             posture.turned_rad()) /
-                                static_cast<float>(body::kJointCount);
+  out.turned_rad = failed()
+                       ? 0
+                       : (filter.applied().leftCols<body::kJointCount>().colwise().norm().sum() +
+                          posture.turned_rad()) /
+                             static_cast<float>(body::kJointCount);
   out.limb_errors_m = predictor.limb_errors_m();
   out.limb_weights = gate.weights();
   out.steps = predictor.steps();

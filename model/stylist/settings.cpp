@@ -44,7 +44,8 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
 }
 
 void Settings::Carry(Checkpoint& c, int style_count) noexcept {
-  // All members, so that a new one does not compile until it is handed over here.
+  // A structured binding names all members, so that a new one does not compile until it is carried
+  // here.
   auto& [mix, strength, transition_s, absolute, parts, root, input_style, variation, vary_amount,
          drift_s] = *this;
   for (net::StyleWeight& style : mix) c(style.style, style.weight);

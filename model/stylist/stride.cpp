@@ -33,7 +33,7 @@ Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noe
 
 namespace {
 
-// Farther than any performer walks within days; beyond, a float's steps are visible.
+// Farther than any performer walks within days. Beyond it the steps of a float become visible.
 constexpr double kFarthest_m = 1e5;
 
 // A factor that follows exp(`log_target`), and is exactly 1 where it settles at 1.

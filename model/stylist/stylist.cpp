@@ -1,5 +1,5 @@
 // A performer's frame in its six steps (ProcessSome), the steps between binding and unbinding, and
-// what callers see of the state.
+// the queries of the state.
 #include "model/stylist/stylist.h"
 
 #include <algorithm>
@@ -193,7 +193,7 @@ void Stylist::Carry(Checkpoint& c) noexcept {
   c.Time(s.last_ns);
   bool failed = s.failed();
   c(s.dt_s, s.last_gap_s, s.started, s.fresh_session, failed);
-  // Which pose it was, the checkpoint does not tell.
+  // The checkpoint does not record which pose failed.
   if (c.reads()) s.failure = failed ? Failure::kPrediction : Failure::kNone;
 }
 

@@ -30,7 +30,7 @@ enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist deci
 // Why a frame is kFailed: which pose was not sound. The numbers are those of styled.v1.Failure.
 enum class Failure : std::uint8_t {
   kNone,
-  kPrediction,  // what the network predicted, in this frame or in the last one that had a step
+  kPrediction,  // the network's prediction, in this frame or in the last one that had a step
   kCanonical,   // the styled pose on the canonical body
   kRig,         // the styled pose on the rig's skeleton
 };
@@ -54,8 +54,9 @@ struct Output {
   std::bitset<256> held;  // source joints whose input was bad
   std::uint32_t flags = 0;
   Failure failure = Failure::kNone;  // with kFailed
-  // How many steps the style takes in the time of one of the performer's, smoothed: time is to pass
-  // so many times as fast. 1 without Options::own_cadence, and where the performer stands.
+  // Steps that the style takes in the time of one of the performer's, smoothed: the caller must let
+  // time pass faster by this factor. 1 without Options::own_cadence, and while the performer
+  // stands.
   float cadence = 1;
   feet::Travel travel;  // offset of the styled hips from the performer's, and the difference of
                         // their steps
@@ -115,7 +116,7 @@ class Stylist {
   // settings, the style weights in effect and the performer's neutral.
   STYLED_REALTIME void Reset() noexcept;
 
-  // Passes the whole state (model/base/checkpoint.h), settings included, to a stylist of the same
+  // Carries the whole state, settings included (model/base/checkpoint.h), to a stylist of the same
   // network, skeleton and options. Refuses streams of another family, size or list of styles; the
   // caller must detect other weights of the same shape. After a refused reading the stylist must be
   // constructed again.

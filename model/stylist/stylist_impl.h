@@ -45,7 +45,7 @@ struct Stylist::Impl {
   STYLED_REALTIME float Shown(body::Part part) const noexcept;
   STYLED_REALTIME bool Bypassed() const noexcept;
   STYLED_REALTIME void FallBackToInput(Output& out) noexcept;
-  // Null where the performer's neutral is not taken out.
+  // Null if the performer's neutral is not removed.
   STYLED_REALTIME const neutral::Reference* Reference() const noexcept {
     const auto& reference = predictor.network()->model().reference;
     return options.neutral && reference ? &*reference : nullptr;
@@ -79,8 +79,8 @@ struct Stylist::Impl {
   double dt_s = 0;        // time between the frame before and this one
   double last_gap_s = 0;  // dt_s of the frame before if it exceeded gap_reset_s, else 0
   bool started = false, fresh_session = true;
-  bool rests = false;   // see Stylist::Rest
-  // What was not sound in a prediction or an output, and no step has been since.
+  bool rests = false;  // see Stylist::Rest
+  // The prediction or output that was not sound, until the next step.
   Failure failure = Failure::kNone;
   bool failed() const { return failure != Failure::kNone; }
 };

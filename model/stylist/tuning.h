@@ -113,8 +113,8 @@ inline constexpr float kGateBand_m = 0.02F;
 // earlier filter 0.02, 0.03 and 0.05 made the worst clip's jerk 1.29, 1.16 and 1.09 times the
 // input's.
 inline constexpr float kGateClose_s = 0.05F;
-// Of the return, s. Larger: fewer returns between two punches, and less style after one. 0.5: worst
-// 29 degrees, shown 0.75; 0.8: 18.5, 0.71; 1.0: 18.5, 0.69, and kicks 0.01 higher.
+// Time constant of the return, s. Larger: fewer returns between two punches, and less style after
+// one. 0.5: worst 29 degrees, shown 0.75; 0.8: 18.5, 0.71; 1.0: 18.5, 0.69, and kicks 0.01 higher.
 inline constexpr float kGateOpen_s = 1.0F;
 
 // Posture (posture.h)
@@ -122,7 +122,7 @@ inline constexpr float kGateOpen_s = 1.0F;
 // Time constant of the mean of the posture that the network shows, s. Larger: an act is longer
 // without it, and steps and gestures move it less. No measurement on record.
 inline constexpr float kPostureMean_s = 0.5F;
-// With which it sets in, s. No measurement on record.
+// Time constant with which the posture sets in, s. No measurement on record.
 inline constexpr float kPostureFade_s = 0.5F;
 // Time constant with which it ends when the body lies or crouches, s. A fall takes half a second.
 // No measurement on record.

@@ -78,10 +78,10 @@ struct Flags {
   std::vector<std::string> export_paths;
   std::string speeds;  // weights that receive the speeds of the manifest's styles; nothing is
                        // trained
-  std::vector<std::string> gate;  // weights that receive the speeds of the manifest's styles;
-                                  // nothing is trained
-  std::string postures;           // weights that get how the manifest's styles carry themselves
-  std::string reference;          // weights that get how the manifest's performers stand and walk
+  std::vector<std::string> gate;  // weights that receive the limb gate's bounds, and the
+                                  // bounds; nothing is trained
+  std::string postures;           // weights that receive the postures of the manifest's styles
+  std::string reference;          // weights that receive the carriage of the manifest's performers
   std::string judges;             // folder of cached judges; empty: the run is not judged
   bool check = false;             // nothing is trained
 };

@@ -37,7 +37,7 @@ class StyleErdFlags : public FamilyFlags {
 
   Status Resolve(const CLI::App& app) override {
     if (!add_style_->parsed()) return style_erd::Check(config_);
-    if (config_.init.empty()) {  // before judges are trained in vain
+    if (config_.init.empty()) {  // checked before the judges are trained
       return Status::Error("add-style: --init is needed, the weights to add to");
     }
     // The best settings of RESULTS.md ("A style added to frozen weights") for a style without

@@ -32,8 +32,8 @@ class FamilyFlags {
 // Adds an option for each flag, the value of now as its default; for a family's constructor.
 void AddFlags(CLI::App& app, const std::vector<FlagGroup>& groups);
 
-// What windows of st-gcn and st-gcn-causal ask of clips: 64 frames at 30 Hz, half of which may be
-// repeated. styletrain_stgcn.cpp
+// The requirements of st-gcn and st-gcn-causal for clips: windows of 64 frames at 30 Hz, half of
+// which may be repeated. styletrain_stgcn.cpp
 Needs NeedsOfGraphs();
 
 struct Family {

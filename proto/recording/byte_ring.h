@@ -17,8 +17,8 @@
 namespace styled::recording {
 
 // Bounded ring of messages of any size between two threads, one producer and one consumer. Neither
-// ever waits; pushing neither allocates nor locks. A message is pushed completely or not at all.
-// Pinned by tests/unit/recording/byte_ring_test.cpp.
+// waits; pushing neither allocates nor locks. A message is pushed completely or not at all. Pinned
+// by tests/unit/recording/byte_ring_test.cpp.
 class ByteRing {
  public:
   // `capacity` in bytes, a power of two. The constructor touches the memory, so that pushing causes

@@ -14,7 +14,7 @@ namespace styled {
 namespace {
 
 constexpr std::array kReasons{
-    RefusalReason{"pipeline.before_body", "the skeleton of its session has not come",
+    RefusalReason{"pipeline.before_body", "the skeleton of its session has not arrived",
                   "let the rig send the skeleton, at its start and once a second: restart the "
                   "sender"},
     RefusalReason{"pipeline.uncalibrated", "the rig's rest pose is unknown",
@@ -24,9 +24,9 @@ constexpr std::array kReasons{
     RefusalReason{"pipeline.wrong_body", "another skeleton is named than the one that was sent",
                   "restart the sender"},
     RefusalReason{"pipeline.duplicate", "the sequence number was received before",
-                  "look whether something on the way sends everything twice, or two senders use "
-                  "one session"},
-    RefusalReason{"pipeline.reordered", "a newer frame has come already",
+                  "check whether a device on the way sends everything twice, or whether two "
+                  "senders use one session"},
+    RefusalReason{"pipeline.reordered", "a newer frame has arrived already",
                   "send by cable or by TCP, where the network reorders; a sender that restarts "
                   "must take a new session id"},
     RefusalReason{"pipeline.far_ahead", "the sequence number is far ahead of the last one",
@@ -34,7 +34,7 @@ constexpr std::array kReasons{
                   "them"},
     RefusalReason{"pipeline.old_time", "the sender's time is not after that of the frame before",
                   "restart the sender; if it plays a recording, let it run"},
-    RefusalReason{"pipeline.second_sender", "another sender is this performer already",
+    RefusalReason{"pipeline.second_sender", "another sender has this performer's name already",
                   "stop one of the two, or give it another performer's name"},
     RefusalReason{"pipeline.bodies_refused", "the skeleton is refused, and the log says why",
                   "correct the rig's skeleton, or name its joints by `joints` of the [[source]]"},
@@ -46,7 +46,7 @@ constexpr std::array kReasons{
 
 constexpr std::array<std::string_view, 5> kLimbs{"left arm", "right arm", "trunk", "left leg",
                                                  "right leg"};
-// From here on it is worth a word: a limb that shows half of the style looks as captured.
+// Below this, a limb is reported: one that shows half of the style looks as captured.
 constexpr float kHeldBack = 0.5F;
 
 std::string WhyRefused(const v1::FrameFate& fate) {
@@ -104,19 +104,19 @@ std::string HeldBackLimbs(const v1::FrameFate& fate) {
   }
   if (limbs.empty()) return "";
   return "Little of the style shows on: " + limbs +
-         ". The style was recorded in no act like this one, so these limbs keep the performer's "
-         "own motion";
+         ". The training data of the style has no motion like this one, so these limbs keep the "
+         "performer's own motion";
 }
 
 std::string RestartText(v1::Restart restart) {
   switch (restart) {
     case v1::RESTART_SESSION:
-      return "A session begins with it, so the style starts anew: the sender restarted, or another "
-             "one took over";
+      return "A session begins with it, so the style restarts: the sender restarted, or another "
+             "sender took over";
     case v1::RESTART_RECOUNT:
-      return "The sender counts from another number, so the style starts anew";
+      return "The sender counts from another number, so the style restarts";
     case v1::RESTART_CLOCK_JUMP:
-      return "The sender's clock jumped, so the style starts anew: let it run by one clock";
+      return "The sender's clock jumped, so the style restarts: let the sender use one clock";
     default:
       return "";
   }
@@ -127,7 +127,7 @@ void AddFlags(const v1::FrameFate& fate, Sentences& to) {
     return (flags & static_cast<std::uint32_t>(flag)) != 0;
   };
   if (has(v1::FLAG_STALE)) {
-    to.Add("The performer fell silent, and this is the last pose again");
+    to.Add("The performer fell silent, and this is a repetition of the last pose");
   }
   if (has(v1::FLAG_FAILED)) {
     to.Add("It is the performer's own motion because " + WhichPose(fate.failure()) +
@@ -141,7 +141,7 @@ void AddFlags(const v1::FrameFate& fate, Sentences& to) {
   }
   if (has(v1::FLAG_OUT_OF_DOMAIN)) {
     to.Add(
-        "The pose is far from all that the network knows, so most of the style is withheld: "
+        "The pose is far from all training data, so most of the style is withheld: "
         "calibrate the rig if the performer just walks");
   }
   if (has(v1::FLAG_HELD)) {
@@ -180,7 +180,7 @@ std::string CauseText(const v1::FrameFate& fate) {
   Sentences text;
   const std::string what = fate.is_body() ? "The skeleton" : "The frame";
   if (!fate.reason().empty() && fate.fate() == v1::FATE_PASSED_OVER) {
-    text.Add(what + " was passed over because " + WhyRefused(fate));
+    text.Add(what + " was skipped because " + WhyRefused(fate));
   } else if (fate.fate() == v1::FATE_REFUSED && !(fate.is_body() && fate.reason().empty())) {
     text.Add(what + " was refused because " + WhyRefused(fate));
   }
@@ -192,11 +192,11 @@ std::string CauseText(const v1::FrameFate& fate) {
   if (fate.fate() != v1::FATE_STYLED) return text.Pop();
   if ((fate.flags() & v1::FLAG_LATE) != 0) {
     text.Add(
-        "It came behind the performer's own schedule: the sender or the network paused "
+        "It arrived behind the performer's own schedule: the sender or the network paused "
         "(stylectl doctor)");
   }
   if (fate.period_ms() > 0 && fate.latency_ms() > fate.period_ms()) {
-    text.Add("It left more than a period after it arrived: this machine was busy");
+    text.Add("It was sent more than a period after it arrived: this machine was busy");
   }
   AddFlags(fate, text);
   text.Add(HeldBackLimbs(fate));
@@ -213,16 +213,16 @@ std::string ExplainText(const v1::FrameFate& fate) {
     case v1::FATE_STYLED:
       text += "published";
       if (fate.latency_ms() > 0)
-        text += " " + NumberText(fate.latency_ms(), 2) + " ms after it came";
+        text += " " + NumberText(fate.latency_ms(), 2) + " ms after it arrived";
       if ((fate.flags() & v1::FLAG_LATE) != 0) {
         text += ", " + NumberText(fate.lateness_ms(), 1) + " ms behind schedule";
       }
       break;
     case v1::FATE_PASSED_OVER:
-      text += "passed over, " + NumberText(fate.lateness_ms(), 1) + " ms behind schedule";
+      text += "skipped, " + NumberText(fate.lateness_ms(), 1) + " ms behind schedule";
       break;
     default:
-      text += fate.is_body() && fate.reason().empty() ? "taken" : "refused";
+      text += fate.is_body() && fate.reason().empty() ? "accepted" : "refused";
   }
   const std::string cause = CauseText(fate);
   return text + (cause.empty() ? "." : ". " + cause);

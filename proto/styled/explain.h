@@ -8,13 +8,13 @@
 
 namespace styled {
 
-// Why frames are refused or passed over, by the counter that counts them.
+// Why frames are refused or skipped, by the counter that counts them.
 struct RefusalReason {
   std::string_view counter;
-  std::string_view why;   // goes on behind "because"
-  std::string_view cure;  // in the imperative, without a full stop; `%` stands for the performer
+  std::string_view why;   // a clause that follows "because"
+  std::string_view cure;  // imperative, without a full stop; `%` is replaced by the performer
 };
-// Null: the counter is none of a frame that is refused.
+// Returns null if the counter does not count refused frames.
 const RefusalReason* FindRefusalReason(std::string_view counter);
 // The cure with the performer's id.
 std::string CureText(const RefusalReason& reason, std::string_view performer);
@@ -24,12 +24,12 @@ std::string CureText(const RefusalReason& reason, std::string_view performer);
 // fields are left out. Allocates; any thread. Pinned by tests/unit/daemon/perform/explain_test.cpp.
 std::string ExplainText(const v1::FrameFate& fate);
 
-// The same without number and times: what is the same of many frames in a row, so that they can be
-// counted. "" where nothing needs a word.
+// The same without number and times, so that equal causes of successive frames can be counted. ""
+// if the frame needs no explanation.
 std::string CauseText(const v1::FrameFate& fate);
 
-// Many frames, oldest first, a line each; those in a row of which the same is to be said are one
-// line with their number and their range.
+// Many frames, oldest first, one line each. Successive frames with the same cause share a line with
+// their number and range.
 std::string ExplainLines(std::span<const v1::FrameFate> fates);
 
 }  // namespace styled

@@ -1,6 +1,6 @@
-"""Every member of a class of model/ that hands over its state (Carry, model/base/checkpoint.h) is handed over, or is
-named here with the reason why not. A member that is forgotten makes a takeover differ from the daemon that it replaces,
-in a way that shows only much later."""
+"""Checks that every class of model/ with a Carry (model/base/checkpoint.h) carries all its members, or that the member
+is listed here with the reason. A forgotten member makes the daemon that takes over differ from the one that it replaces,
+and that shows only much later."""
 
 import os
 import re
@@ -9,8 +9,8 @@ import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
-# FILE CLASS: members that are not state: fixed when the object is made, or written anew in every frame before they
-# are read.
+# FILE CLASS: members that are not state: fixed when the object is made, or written in every frame before they are
+# read.
 NOT_CARRIED = {
     # Skeletons and options; the poses of this frame.
     'model/feet/feet.h Feet': ['in_legs_', 'legs_', 'options_', 'in_', 'out_'],
@@ -24,7 +24,7 @@ NOT_CARRIED = {
     # Skeleton and options; this frame's pose; the humanoid's offsets; Rest is the caller's to say.
     'model/stylist/stylist_impl.h Impl': ['binding', 'options', 'seen', 'offsets_in', 'offsets_out', 'rests'],
 }
-# A class whose state another one's Carry hands over: FILE CLASS, and that Carry's file and class.
+# A class whose state is carried by another class: FILE CLASS, and that Carry's file and class.
 CARRIED_BY = {'model/stylist/stylist_impl.h Impl': ('model/stylist/stylist.cpp', 'Stylist'),
               'model/net/stgcn_causal/network.h State': ('model/net/stgcn_causal/network.cpp', 'Network')}
 

@@ -125,7 +125,7 @@ TEST_F(CheckpointTest, AKilledDaemonGoesOnFromIt) {
 TEST_F(CheckpointTest, MistypedCommandsAreRefused) {
   Subscriber subscriber(first_.publish, Topics());
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), stylectl::kExitRefused);
-  EXPECT_THAT(output_, HasSubstr("performer \"rig.a\": expected one that is here"));
+  EXPECT_THAT(output_, HasSubstr("performer \"rig.a\": expected one that is present"));
   UdpLink(first_.udp).Send(rig_.Body());
   ASSERT_TRUE(subscriber.WaitForBody());
   ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_, "--json"}), 0) << output_;

@@ -356,8 +356,8 @@ export class StyledClient {
     return (await this.ask({ command: { case: 'removeStyle', value: { name } } })).applied;
   }
   /**
-   * What became of a performer's frames, and why: that with a number (Frame.sequence), or so many of
-   * the newest, up to 1,024. Each has a sentence in `text`.
+   * The fates of a performer's frames, with their causes: of the frame with a number (Frame.sequence), or
+   * of the newest ones, up to 1,024. Each has a sentence in `text`.
    */
   async explain(performer: string, which: { sequence?: bigint; last?: number } = {}): Promise<FrameFate[]> {
     const value = which.sequence === undefined ? { last: which.last ?? 1 } : { sequence: which.sequence };

@@ -300,8 +300,8 @@ class Commands:
         return self._ask(request, _applied)
 
     def explain(self, performer: str, sequence: int = 0, last: int = 1) -> control_pb2.ExplainReply:
-        """What became of a performer's frames, and why: that with a number (Frame.sequence), or so
-        many of the newest, up to 1,024. Each has a sentence in `text`."""
+        """The fates of a performer's frames, with their causes: of the frame with a number (Frame.sequence),
+        or of the newest ones, up to 1,024. Each has a sentence in `text`."""
         request = control_pb2.Request(performer=performer)
         if sequence:
             _put(request.explain, 'sequence', sequence, 'explain')

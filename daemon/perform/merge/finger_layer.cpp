@@ -12,16 +12,16 @@ namespace {
 
 using runtime::Counter;
 
-// A quaternion that is shorter has no direction worth trusting.
+// A shorter quaternion has no reliable direction.
 constexpr float kShortest = 1e-3F;
 
-// A binding, as far as fingers need it.
+// The part of a binding that fingers need.
 struct HandBinding {
   rig::BindingSpec spec;
   float scale = 1;
 };
 
-// Whether the skeleton is more than hands: then an error in it is an error.
+// Whether the skeleton is more than hands. Only then is an error in it reported.
 bool IsBody(const rig::Skeleton& skeleton, const rig::JointNames& names) {
   const auto map = rig::MapJoints(skeleton, names);
   return !map.ok() ||
@@ -144,7 +144,7 @@ Counter FingerLayer::Accept(const source::SourceFrame& frame, std::int64_t now_n
 }
 
 void FingerLayer::Advance(std::int64_t step_ns) noexcept {
-  constexpr std::int64_t kLongest_ns = kHold_ns + kFade_ns + 1;  // all is over by then
+  constexpr std::int64_t kLongest_ns = kHold_ns + kFade_ns + 1;  // every fade has ended by then
   step_ns = std::clamp<std::int64_t>(step_ns, 0, kLongest_ns);
   const float turn = static_cast<float>(step_ns) / static_cast<float>(kFade_ns);
   for (Finger& finger : fingers_) {
@@ -158,7 +158,7 @@ void FingerLayer::Advance(std::int64_t step_ns) noexcept {
 bool FingerLayer::Over(int joint, rig::Quat& rotation) const noexcept {
   const Finger& finger = fingers_[static_cast<std::size_t>(joint)];
   if (finger.weight <= 0) return false;
-  // Ease in and out, so that no finger starts or stops with a jerk.
+  // Ease in and out, so that fingers start and stop smoothly.
   const float share = finger.weight * finger.weight * (3 - 2 * finger.weight);
   rotation = finger.weight >= 1 ? finger.rotation : rotation.slerp(share, finger.rotation);
   return true;

@@ -17,15 +17,15 @@
 
 namespace styled::pipeline {
 
-// The newest fingers of a source that is merged into a performer. Each finger joint is read against
-// the source's own hand and its T-pose (model/rig/tail.h), so neither the source's wrist, nor its
-// arm, nor its place matters. A joint is shown as it last came for kHold_ns, then turns within
-// kFade_ns to the performer's own; when it comes (back), it turns to the source's as slowly. These
-// times are counted on the performer's clock, so that a replay gives the same bits. Only Accept
-// allocates. Pipeline thread. Pinned by tests/unit/daemon/finger_layer_test.cpp.
+// The newest fingers of a source that is merged into a performer. Each finger joint is read
+// relative to the source's own hand and its T-pose (model/rig/tail.h), so the source's wrist, arm
+// and place do not matter. A joint keeps its last rotation for kHold_ns, then turns to the
+// performer's own within kFade_ns. When data returns, it turns to the source's rotation in the same
+// time. These times are counted on the performer's clock, so that a replay gives the same bits.
+// Only AcceptBody allocates. Pipeline thread. Pinned by tests/unit/daemon/finger_layer_test.cpp.
 class FingerLayer : public MergedPart {
  public:
-  // `wanted`: the joints that are taken over if the source has them. `names`: of the source, set by
+  // `wanted`: the joints used if the source has them. `names`: the source's joint names set by
   // hand.
   FingerLayer(const rig::TailSet& wanted, rig::JointNames names, config::Smoothing smoothing);
 
@@ -42,28 +42,29 @@ class FingerLayer : public MergedPart {
   STYLED_REALTIME runtime::Counter Accept(const source::SourceFrame& frame,
                                           std::int64_t now_ns) noexcept;
 
-  // `step_ns` of the performer's time have passed since the last call.
+  // Advances the fades by `step_ns` of the performer's time.
   STYLED_REALTIME void Advance(std::int64_t step_ns) noexcept;
-  // Turns the rotation of a finger joint (a TailJoint) towards the layer's. False: it has none now.
+  // Turns the rotation of a finger joint (a TailJoint) towards the layer's. Returns false if the
+  // layer has none now.
   STYLED_REALTIME bool Over(int joint, rig::Quat& rotation) const noexcept;
 
  private:
   struct Finger {
     rig::Quat rotation = rig::Quat::Identity();
-    bool fresh = false;  // came since the last Advance
+    bool fresh = false;  // arrived since the last Advance
     std::int64_t silent_ns = kHold_ns + 1;
     float weight = 0;
   };
-  // What depends on the body.
+  // The state that belongs to one body.
   struct Bound {
     explicit Bound(const rig::Skeleton& skeleton) : pose(skeleton), held(skeleton.names.size()) {
       sound.assign(held.size(), rig::Quat::Identity());
     }
     rig::Tail tail;
-    std::vector<rig::Quat> turns;  // the last, of tail's joints
+    std::vector<rig::Quat> turns;  // last rotations of tail's joints
     rig::RigPose pose;
     std::vector<bool> held;        // joints that the last frame does not track
-    std::vector<rig::Quat> sound;  // each joint's last rotation that was one
+    std::vector<rig::Quat> sound;  // each joint's last valid rotation
     PoseSmoothing smoothing;
   };
   Status Bind(const v1::Body& body);

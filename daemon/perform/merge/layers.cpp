@@ -37,7 +37,7 @@ std::span<const std::byte> FaceLayer::Over(std::span<const std::byte> own,
   return shown_;
 }
 
-// Face and fingers may come in frames of their own, each with its own count (source/rigs/vmc.h).
+// Face and fingers may arrive in separate frames, each with its own numbers (source/rigs/vmc.h).
 Counter Layer::Accept(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {
   Counter why = MergedPart::kAccepted;
   if (face && !frame.face.empty()) why = face->Accept(frame, now_ns);

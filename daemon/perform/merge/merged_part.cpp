@@ -6,7 +6,7 @@ using runtime::Counter;
 
 int MergedPart::Change(std::int64_t now_ns) noexcept {
   const bool shown = any_ && now_ns - accepted_ns_ <= kHold_ns + kFade_ns;
-  return std::exchange(told_, shown) == shown ? 0 : shown ? 1 : -1;
+  return std::exchange(reported_, shown) == shown ? 0 : shown ? 1 : -1;
 }
 
 Counter MergedPart::Admit(const source::SourceFrame& frame, std::int64_t now_ns) noexcept {

@@ -11,28 +11,28 @@
 
 namespace styled::pipeline {
 
-// What the parts of a source that is merged into a performer (a face, fingers) have in common: one
-// sender and performer of the source at a time, the first until it was silent for kHold_ns; and
-// when the part came and fell silent. Pipeline thread; nothing allocates but the constructor.
+// Base of the parts that a source merges into a performer (a face, fingers). It accepts one sender
+// and performer of the source at a time, until that was silent for kHold_ns, and it reports when
+// the part appears and falls silent. Pipeline thread; only the constructor allocates.
 class MergedPart {
  public:
-  // A phone sends 60 frames a second and pauses when its camera loses the face for a moment; gloves
-  // pause where their radio does.
+  // Longer than the usual pauses: a phone sends 60 frames a second and pauses when its camera loses
+  // the face for a moment; gloves pause when their radio does.
   static constexpr std::int64_t kHold_ns = 500'000'000;
   static constexpr std::int64_t kFade_ns = 500'000'000;
-  // A frame that was taken over.
+  // The frame was accepted.
   static constexpr auto kAccepted = runtime::Counter::kCount;
 
-  // Whether a frame came in the last kHold_ns. Times are on the daemon's monotonic clock.
+  // Whether a frame arrived in the last kHold_ns. Times are on the daemon's monotonic clock.
   bool Live(std::int64_t now_ns) const noexcept {
     return any_ && now_ns - accepted_ns_ <= kHold_ns;
   }
-  // Whether it came, 1, or fell silent, -1, since the last call; 0: neither.
+  // Change since the last call: 1, the part appeared; -1, it fell silent; 0: neither.
   STYLED_REALTIME int Change(std::int64_t now_ns) noexcept;
 
  protected:
   MergedPart() { performer_.reserve(kLongestName); }
-  // Whether a frame or body is the next one: kAccepted, or what it is refused as.
+  // Checks the order of a frame or body. Returns kAccepted, or the counter of its refusal.
   STYLED_REALTIME runtime::Counter Admit(const source::SourceFrame& frame,
                                          std::int64_t now_ns) noexcept;
   STYLED_REALTIME void MarkAccepted(std::int64_t now_ns) noexcept {
@@ -48,9 +48,9 @@ class MergedPart {
  private:
   static constexpr std::size_t kLongestName = 32;  // config::IsName
 
-  bool any_ = false, told_ = false;
+  bool any_ = false, reported_ = false;
   std::int64_t accepted_ns_ = 0;
-  std::string performer_;  // of the source, whose frames are taken
+  std::string performer_;  // name of the source's performer whose frames are accepted
 };
 
 }  // namespace styled::pipeline

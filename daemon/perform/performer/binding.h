@@ -25,9 +25,9 @@ class PerformerBinding {
   // Finger joints that the bound body has even where the rig's body lacks them (rig::WithFingers).
   // Call before the first body.
   void WantFingers(const rig::TailSet& fingers) { fingers_ = fingers; }
-  // Takes over a new body and binds it. After an error nothing changes, except if no body was bound
-  // and at least the joints are recognized: then the performer waits() for a calibration. `names`:
-  // the source's joint names set by hand.
+  // Adopts a new body and binds it. After an error nothing changes, with one exception: if no body
+  // was bound and at least the joints are recognized, the performer waits() for a calibration.
+  // `names`: the source's joint names set by hand.
   Status Accept(const source::SourceFrame& body, const Profile& profile,
                 const rig::JointNames& names);
   // Executes Calibrate (control.proto) for rigs with a skeleton: writes profile.rest and binds
@@ -42,10 +42,10 @@ class PerformerBinding {
   const v1::Body& given() const { return given_; }
   std::uint32_t crc() const { return crc_; }
 
-  // Copies and remembers a frame's pose. Returns false if its joint count differs from the body's.
+  // Copies a frame's pose. Returns false if its joint count differs from the body's.
   STYLED_REALTIME bool Receive(const source::SourceFrame& frame, std::int64_t receive_ns) noexcept;
-  // The last pose as received, the T-pose's rotations for joints that the rig lacks; may be swapped
-  // with another pose of the bound skeleton.
+  // The last pose as received; joints that the rig lacks have the T-pose's rotations. May be
+  // swapped with another pose of the bound skeleton.
   rig::RigPose& received() noexcept { return received_; }
 
  private:

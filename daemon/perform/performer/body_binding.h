@@ -12,8 +12,8 @@
 
 namespace styled::pipeline {
 
-// A rig's body, checked and bound: by a calibration of this skeleton if there is one, else by the
-// body's own T-pose rests if it has them, else by dialect.
+// A rig's body, checked and bound. The binding comes from a calibration of this skeleton if there
+// is one, otherwise from the body's own T-pose rests, otherwise from a dialect.
 struct BoundBody {
   std::shared_ptr<const rig::Binding> binding;
   std::string dialect;  // "calibrated"; "given" if the rig sent its rests

@@ -50,7 +50,7 @@ void CarriedProps::AcceptUnfiltered(const rig::RigPose& received) noexcept {
 
 void CarriedProps::Attach(const stylist::Output& out) noexcept {
   if (empty()) return;
-  // Joints that came without a valid rotation are held in the stylist's input only.
+  // Joints without a valid rotation are held in the stylist's input only.
   if (is_filtered_) {
     from_ = wrists_.Read(unfiltered_.translations.front(), unfiltered_.rotations);
     is_filtered_ = IsFinite(from_);
@@ -73,7 +73,7 @@ void CarriedProps::LeaveTo(const CarriedProps& other) noexcept {
   }
 }
 
-// Whether the rig's styled pose is the captured one.
+// Whether the styled pose equals the captured one.
 bool CarriedProps::HandsMoveNot(const stylist::Output& out) const noexcept {
   return (out.flags & stylist::kBypass) != 0 && out.travel.moved_m.isZero(0.0F);
 }

@@ -16,7 +16,7 @@
 
 namespace styled::pipeline {
 
-// Field 20 of v1::Frame, ready to be sent.
+// Field 20 of v1::Frame, serialized.
 class EncodedProps {
  public:
   STYLED_REALTIME void Set(const source::PropList& props) noexcept {
@@ -30,37 +30,36 @@ class EncodedProps {
   std::size_t size_ = 0;
 };
 
-// The props of one performer's last frame, which hand holds each, and where each output has them.
-// Made for a body; pipeline thread; only the constructor allocates. Pinned by
+// The props of one performer's last frame, the hand that holds each, and their places on each
+// output. Made for a body; pipeline thread; only the constructor allocates. Pinned by
 // tests/unit/daemon/props_test.cpp.
 class CarriedProps {
  public:
-  // `hands`: the hand that holds a prop, by its name; those that are not in it are held by the hand
-  // near them.
+  // `hands`: the holding hand by a prop's name; other props are held by the hand near them.
   CarriedProps(const BoundBody& body, const config::PropHands& hands);
 
-  // Takes over a frame's props and returns how many were left out (source::ReadProps).
+  // Accepts a frame's props. Returns how many were left out (source::ReadProps).
   STYLED_REALTIME std::size_t Accept(std::span<const std::byte> encoded,
                                      bool of_the_scene) noexcept;
-  // Call after Take where the pose is filtered afterwards, with the pose as received: what a hand
-  // holds follows the filtered hand.
+  // Call after Accept if the pose is filtered afterwards, with the pose as received. A held prop
+  // then follows the filtered hand.
   STYLED_REALTIME void AcceptUnfiltered(const rig::RigPose& received) noexcept;
-  // Finds who holds what; call after the stylist, with `out` in the binding's axes.
+  // Finds the hand that holds each prop. Call after the stylist, with `out` in the binding's axes.
   STYLED_REALTIME void Attach(const stylist::Output& out) noexcept;
-  // Leaves out what `other`, a performer of the same scene, holds and this one does not.
+  // Leaves out the props that `other`, a performer of the same scene, holds and this one does not.
   STYLED_REALTIME void LeaveTo(const CarriedProps& other) noexcept;
 
   bool empty() const noexcept { return frame_.count == 0; }
   bool of_the_scene() const noexcept { return of_the_scene_; }
 
-  // Call after Attach, with the same `out`. The rig's own skeleton: as captured, and styled. In a
-  // bypass frame, and where no hand holds them, bit for bit as they came.
+  // Call after Attach, with the same `out`. The props on the rig's own skeleton, as captured and
+  // styled. In a bypass frame, and if no hand holds them, their values are unchanged bit for bit.
   STYLED_REALTIME void OnSource(const stylist::Output& out, EncodedProps& to) const noexcept;
   STYLED_REALTIME void OnRig(const stylist::Output& out, EncodedProps& to) const noexcept;
-  // The canonical humanoid: its metres and axes.
+  // The props on the canonical humanoid, in its metres and axes.
   STYLED_REALTIME void OnCanonical(const stylist::Output& out, EncodedProps& to) const noexcept;
-  // Another skeleton with these wrists. `convert(placed, prop)` writes a canonical pose in that
-  // skeleton's units and axes into `prop`.
+  // The props on another skeleton with these wrists. `convert(placed, prop)` writes a canonical
+  // pose into `prop`, in that skeleton's units and axes.
   template <typename Convert>
   STYLED_REALTIME void OnWrists(const rig::WristPair& wrists, EncodedProps& to,
                                 Convert convert) const noexcept {
@@ -78,7 +77,7 @@ class CarriedProps {
   struct Carried {
     rig::Placed captured;
     rig::Grip grip;
-    bool elsewhere = false;  // in the hand of another performer
+    bool elsewhere = false;  // held by another performer
   };
   STYLED_REALTIME void OnOwn(const rig::Vec3& root, std::span<const rig::Quat> rotations,
                              bool as_it_came, bool all, EncodedProps& to) const noexcept;
@@ -88,13 +87,13 @@ class CarriedProps {
   bool left_handed_;
   const config::PropHands hands_;
   rig::Wrists wrists_;
-  std::vector<std::byte> bytes_;  // what frame_'s names view
-  source::PropList frame_;        // as they came
+  std::vector<std::byte> bytes_;  // memory of the names in frame_
+  source::PropList frame_;        // as received
   bool of_the_scene_ = false;
   std::array<Carried, kMaxProps> carried_;
-  rig::WristPair from_;       // of the pose that the props were captured with
-  rig::RigPose unfiltered_;   // that pose, where it is not the stylist's input
-  bool is_filtered_ = false;  // unfiltered_ is of this frame
+  rig::WristPair from_;       // wrists of the pose with which the props were captured
+  rig::RigPose unfiltered_;   // the pose before filtering, if it differs from the stylist's input
+  bool is_filtered_ = false;  // unfiltered_ belongs to this frame
 };
 
 }  // namespace styled::pipeline

@@ -13,10 +13,10 @@
 
 namespace styled::pipeline {
 
-// Puts the fingers of other sources on a performer's pose, before it is styled: what comes after
-// has them as if the performer's rig had sent them. Where the rig has no fingers, its body has got
-// some (PerformerBinding), whose own rotations are those of the T-pose. One per body, pipeline
-// thread; only the constructor allocates. Pinned by tests/unit/daemon/fingers_test.cpp.
+// Applies the fingers of other sources to a performer's pose before it is styled, so that all later
+// steps treat them as the rig's own. If the rig has no fingers, PerformerBinding has added them to
+// its body, with the rotations of the T-pose. One per body, pipeline thread; only the constructor
+// allocates. Pinned by tests/unit/daemon/fingers_test.cpp.
 class Fingers {
  public:
   Fingers() = default;  // none
@@ -24,7 +24,7 @@ class Fingers {
   Fingers(std::vector<FingerLayer*> layers, const rig::Binding& binding);
 
   // `pose`: of the binding's skeleton, in its axes. `elapsed_ns`: of the performer's session.
-  // Joints that no layer shows stay bit for bit.
+  // Joints that no layer shows are unchanged bit for bit.
   STYLED_REALTIME void Apply(std::int64_t elapsed_ns, rig::RigPose& pose) noexcept;
 
   // See model/base/checkpoint.h. The layers are not in it.
@@ -33,20 +33,19 @@ class Fingers {
     c.Time(elapsed_ns_);
   }
 
-  // The hands of which layers give fingers and the skeleton has no place for any: "left", "right",
-  // "left and right"; "" for none.
+  // The hands for which layers have fingers and the skeleton has no joints: "left", "right", "left
+  // and right"; "": none.
   std::string HandsWithoutPlace() const;
 
  private:
   std::vector<FingerLayer*> layers_;
-  rig::Tail tail_;  // the fingers alone
-  // The performer's own fingers, the last ones that were finite; what the pose has now; what was
-  // shown last.
+  rig::Tail tail_;  // only the fingers
+  // The performer's own last finite fingers; those read from the current pose; those shown last.
   std::vector<rig::Quat> own_, read_, shown_;
   std::int64_t elapsed_ns_ = 0;
 };
 
-// The finger joints that the layers may give.
+// The finger joints that the layers may have.
 rig::TailSet JointsOf(std::span<FingerLayer* const> layers);
 
 }  // namespace styled::pipeline

@@ -11,14 +11,14 @@
 
 namespace styled::pipeline {
 
-// The period of a rig, by its own clock: the mean distance of frames whose numbers follow each
-// other. One per performer, pipeline thread; allocates nothing.
+// The period of a rig by its own clock: the mean distance of frames with consecutive numbers. One
+// per performer, pipeline thread; allocates nothing.
 class RigPeriod {
  public:
   // Call for each admitted frame; both values are the session's.
   STYLED_REALTIME void NoteFrame(std::uint64_t sequence, std::int64_t elapsed_ns) noexcept {
     const std::int64_t step_ns = elapsed_ns - elapsed_ns_;
-    // A body has a number, too: the frame after it follows no frame.
+    // A body has a number, too, so the frame after it is not consecutive.
     const bool next = sequence == sequence_ + 1 && step_ns > 0 && step_ns <= kLongest_ns;
     sequence_ = sequence;
     elapsed_ns_ = elapsed_ns;
@@ -31,10 +31,10 @@ class RigPeriod {
   }
 
  private:
-  static constexpr std::int64_t kUsual_ns = runtime::kSecond_ns / 120;  // until it is known
+  static constexpr std::int64_t kUsual_ns = runtime::kSecond_ns / 120;  // until it is measured
   static constexpr std::int64_t kShortest_ns = runtime::kMillisecond_ns;
-  static constexpr std::int64_t kLongest_ns = runtime::kSecond_ns;  // more is a pause
-  static constexpr std::int64_t kSmoothing = 16;  // frames; a clock of whole ms makes it 8, 8, 9
+  static constexpr std::int64_t kLongest_ns = runtime::kSecond_ns;  // a longer distance is a pause
+  static constexpr std::int64_t kSmoothing = 16;  // frames; evens out clocks of whole ms: 8, 8, 9
   std::uint64_t sequence_ = 0;
   std::int64_t elapsed_ns_ = 0;
   std::int64_t period_ns_ = kUsual_ns;
@@ -57,7 +57,7 @@ class Latency {
     return over;
   }
 
-  // Call once a second. If `keep` is set and no frame was added, the last second's values stay, for
+  // Call once a second. With `keep`, a second without a frame keeps the values of the last one, for
   // slow rigs.
   void Sample(bool keep, std::int64_t now_ns) noexcept {
     if (now_ns - turned_ns_ >= kWindow_ns) {
@@ -89,7 +89,7 @@ class Latency {
 
  private:
   static constexpr std::int64_t kWindow_ns = 30 * runtime::kSecond_ns;
-  // Coarser than the last second's, 12 % too high at most: there are more of them.
+  // Coarser than the last second's histogram, at most 12 % too high, to save memory.
   using Window = runtime::BasicHistogram<std::uint16_t, 8>;
   using Long = runtime::BasicHistogram<std::uint32_t, 8>;
 

@@ -27,8 +27,8 @@
 namespace styled::pipeline {
 
 // The published output of one performer: a topic each for the rig's skeleton, the canonical
-// humanoid (with the rig's fingers, eyes and jaw behind it), the source and the bodies, and one for
-// each RetargetOutput; and its part of the bundles. A topic is serialized only while a client
+// humanoid (with the rig's fingers, eyes and jaw behind it), the source and the bodies, one per
+// RetargetOutput, and its frames in the bundles. A topic is serialized only while a client
 // subscribes to it or to its bundle. Pipeline thread; Bind and SendBodies allocate.
 class Outputs {
  public:
@@ -40,14 +40,13 @@ class Outputs {
   Outputs& operator=(const Outputs&) = delete;
 
   // Makes messages and retarget streams for a body (`given`: the rig's message) and a
-  // configuration. Drops what was serialized for the last body.
+  // configuration. Drops frames serialized for the last body.
   void Bind(const BoundBody& body, const v1::Body& given, const RuntimeConfig& config);
 
-  // Takes over a configuration whose network shares streams with the last one's; the motion goes
-  // on.
+  // Adopts a configuration whose network shares streams with the last one's; the motion continues.
   void Adopt(const RuntimeConfig& config);
 
-  // Retargets a styled frame, reads its fingers, eyes and jaw, and places its props; call it while
+  // Retargets a styled frame, reads its fingers, eyes and jaw, and places its props. Call it while
   // `out` is in the binding's axes. Returns true if a retarget output fell back to the performer's
   // own motion.
   STYLED_REALTIME bool Retarget(std::int64_t elapsed_ns, const stylist::Output& out,
@@ -55,8 +54,8 @@ class Outputs {
   // Serializes a frame for the subscribed topics. `face`: as received, at most kMaxFace bytes.
   STYLED_REALTIME void Serialize(const decide::FrameInTransit& frame, const Styling& styling,
                                  std::span<const std::byte> face) noexcept;
-  // Sends what Serialize prepared, and adds it to the bundles. `repeats`: it is the last pose
-  // again, which does not count as published.
+  // Sends the frames that Serialize prepared, and adds them to the bundles. `repeats`: the last
+  // pose again, which does not count as published.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns,
             bool repeats);
   std::int64_t last_send_ns() const { return last_send_ns_; }
@@ -80,7 +79,7 @@ class Outputs {
   static_assert(kRig == int{publish::Subscriptions::kRigBundle} &&
                 kCanonical == int{publish::Subscriptions::kCanonicalBundle} &&
                 kSource == int{publish::Subscriptions::kSourceBundle});
-  // Whether somebody reads it.
+  // Whether a client subscribes to the topic.
   bool Wanted(std::size_t topic) const noexcept {
     return topics_[topic].wanted != 0 || subscriptions_.bundle(topic).wanted != 0;
   }

@@ -97,7 +97,7 @@ Status Performer::CalibrateNeutral(const v1::Calibrate& request) {
 
 std::optional<KeptNeutral> Performer::TellNeutral() const {
   if (!styling_ || !styling_->stylist().has_neutral()) return profile.neutral;
-  // What was kept for another body stays until there is something to keep for this one.
+  // The neutral saved for another body stays until this body has one of its own.
   if (styling_->stylist().neutral().body_s() == 0) return profile.neutral;
   return KeptNeutral{BindingHash(*binding_.body().binding), styling_->stylist().Tell()};
 }

@@ -49,26 +49,26 @@ class Performer {
   Status CalibrateNeutral(const v1::Calibrate& request);
   // What the stylist knows of the performer's neutral goes into the profile, before either ends.
   void KeepNeutral();
-  // The same, to be saved; that of the profile where there is no stylist.
+  // The neutral to save; the profile's if there is no stylist.
   std::optional<KeptNeutral> TellNeutral() const;
-  // True once after a calibration of the neutral has ended; calibrated() tells how.
+  // Returns true once after a calibration of the neutral has ended; calibrated() gives the result.
   bool PopNeutralCalibrated() noexcept;
-  // Whether their motion names the style (Stylist::Names).
+  // Whether the current motion refers to the style (Stylist::Names).
   bool Names(int style) const { return styling_ && styling_->stylist().Names(style); }
   bool calibrated() const { return styling_ && styling_->stylist().neutral().calibrated(); }
   const PerformerBinding& binding() const { return binding_; }
-  // The last frame has props that belong to all performers of the source.
+  // Whether the last frame has props that belong to all performers of the source.
   bool shares_props() const { return props_ && props_->of_the_scene() && !props_->empty(); }
 
-  // ApplyLook applies the profile's settings from the next frame on. Rebuild makes a new stylist
-  // after weights or options changed. Both allocate. Adopt goes on with a network that only has
-  // other styles. ApplyLook returns the styles of the profile that the network lacks.
+  // ApplyLook applies the profile's settings from the next frame on, and returns the styles of the
+  // profile that the network lacks. Rebuild makes a new stylist after weights or options changed.
+  // Both allocate. Adopt continues with a network that differs only in its styles.
   std::vector<std::string> ApplyLook(const RuntimeConfig& config);
   void Rebuild(const RuntimeConfig& config);
   void Adopt(const RuntimeConfig& config);
 
-  // Leaves the style out from the next frame on because the machine cannot keep up, or brings it
-  // back. The profile's look stays as it is.
+  // Omits the style from the next frame on because the machine is overloaded, or restores it. The
+  // profile's look is unchanged.
   STYLED_REALTIME void Relieve(bool relieved) noexcept;
   bool relieved() const { return relieved_; }
   STYLED_REALTIME void CountRelieved() noexcept { ++relieved_frames_; }
@@ -76,30 +76,30 @@ class Performer {
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept;
 
-  // Hands over everything that the next frames depend on but body and profile, between two
-  // performers with the same ones (model/base/checkpoint.h, and checkpoint.proto for what is not in
-  // it). The performer must be bound. `now_ns`: of the daemon's monotonic clock.
+  // Saves or restores everything on which the next frames depend, except body and profile, which
+  // must be the same for both performers (model/base/checkpoint.h; checkpoint.proto lists what is
+  // left out). The performer must be bound. `now_ns`: on the daemon's monotonic clock.
   STYLED_REALTIME void Carry(Checkpoint& c, std::int64_t now_ns) noexcept;
 
   // Processes one frame in steps, so that several performers are styled together: Accept copies it,
   // Stylist::ProcessTogether runs the jobs of Style(), Attach finds the props in the performer's
-  // hands, Finish serializes it for the subscribed topics. A frame whose joint count differs from
-  // the body's is refused. While the performer waits for a calibration its pose is only remembered.
-  // Accept returns kNoReason, or what the frame is refused as.
+  // hands, Finish serializes it for the subscribed topics. Accept returns kNoReason, or the counter
+  // of its refusal: the joint count differs from the body's, or the performer waits for a
+  // calibration, for which it only stores the pose.
   STYLED_REALTIME runtime::Counter Accept(const decide::FrameInTransit& frame) noexcept;
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
   STYLED_REALTIME void Attach() noexcept { props_->Attach(styling_->out()); }
   // Leaves out the props of the scene that another performer of the same source holds.
   STYLED_REALTIME void LeavePropsTo(const Performer& other) noexcept;
   STYLED_REALTIME void Finish(std::int64_t publish_ns) noexcept;
-  // The frame that was finished, or is on its way; `given` and `face` are not kept.
+  // The frame being processed, or the last one; `given` and `face` are not kept.
   const decide::FrameInTransit& frame() const noexcept { return frame_; }
   // Brings the next frame's data into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept;
   // Serializes the last pose again, flagged stale, with the times of `now`. Returns false if there
-  // is none.
+  // is no pose.
   STYLED_REALTIME bool Repeat(const decide::FrameInTransit& now) noexcept;
-  // Sends what Finish or Repeat serialized, and adds it to the bundles.
+  // Sends the frames that Finish or Repeat serialized, and adds them to the bundles.
   void Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles, std::int64_t now_ns);
 
   // CRC-32C of the last styled pose on the canonical body; 0 before the first.
@@ -130,11 +130,11 @@ class Performer {
   Profile& profile;
   const int source;
   const std::string name;
-  const std::int64_t added_ns;  // when this object was made
+  const std::int64_t added_ns;  // when the performer appeared
   decide::Admission admission;
   Outputs outputs;
   Latency latency;
-  log::FrameHistory history;             // what became of the last frames
+  log::FrameHistory history;             // fates of the last frames
   std::int64_t next_body_ns = 0;         // when the bodies are due again
   int newest_in_batch = -1;              // used by the pipeline within a batch
   std::optional<std::int64_t> timecode;  // TimecodeLabel of the last frame with a timecode
@@ -154,10 +154,10 @@ class Performer {
   PoseSmoothing smoothing_;
   std::vector<FingerLayer*> finger_layers_;
   Fingers fingers_;
-  std::vector<std::byte> face_;  // what is passed on beside the pose
+  std::vector<std::byte> face_;  // data published beside the pose
   bool relieved_ = false;
   std::uint64_t relieved_frames_ = 0;  // sent while relieved
-  bool repeats_ = false;               // what is serialized is the last pose again
+  bool repeats_ = false;               // the serialized frame is a repetition
   Facing facing_;
   std::int64_t faced_ns_ = 0;  // source time of the last frame in facing_
   bool backwards_ = false, backwards_logged_ = false;

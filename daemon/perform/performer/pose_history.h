@@ -10,8 +10,8 @@
 namespace styled::pipeline {
 
 // The performer's last pose and some poses of the last third of a second, which show whether the
-// performer stood still. Input of a calibration. Sized once; pipeline thread. A pose may have more
-// joints than the skeleton; those behind are left out.
+// performer stood still. Input of a calibration. Sized once; pipeline thread. Joints of a pose
+// beyond those of the skeleton are left out.
 class PoseHistory {
  public:
   explicit PoseHistory(const rig::Skeleton& skeleton) : pose_(skeleton) { kept_.fill(pose_); }

@@ -32,8 +32,8 @@ class RetargetStream {
   // As FrameMessage::UseStyles.
   void UseStyles(const net::Styles& styles) noexcept { message_.UseStyles(styles); }
 
-  // Retargets a frame and its props, but only while a client subscribes; the first frame after a
-  // pause starts anew. `elapsed_ns` is the session's.
+  // Retargets a frame and its props, but only while a client subscribes; after a pause the first
+  // frame restarts the retargeting. `elapsed_ns` is the session's.
   STYLED_REALTIME void Process(std::int64_t elapsed_ns, const stylist::Output& out,
                                const CarriedProps& props) noexcept;
   // See model/base/checkpoint.h. The last frame is not in it.

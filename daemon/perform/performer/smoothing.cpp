@@ -10,8 +10,8 @@ namespace {
 
 // Cutoff of the speed's own low-pass, Hz; the paper's value.
 constexpr float kSpeed_hz = 1;
-// The position's growth of the cutoff per m/s over a joint's per rad/s: hips move at a tenth of the
-// speed, in numbers, at which limbs turn (walks of set 2: 1.2 m/s beside 3 to 8 rad/s).
+// Growth of the position's cutoff per m/s, relative to that of a joint per rad/s: hips move at a
+// tenth of the numeric speed at which limbs turn (walks of set 2: 1.2 m/s beside 3 to 8 rad/s).
 constexpr float kPerMetre = 5;
 
 float Share(float cutoff_hz, float step_s) noexcept {
@@ -29,7 +29,7 @@ PoseSmoothing::PoseSmoothing(const config::Smoothing& options, std::size_t joint
 
 void PoseSmoothing::Turn(Joint& joint, rig::Quat& rotation, float step_s) const noexcept {
   const float length = rotation.norm();
-  if (!(length > 0.5F && length < 2)) return;  // not tracked; the stylist sees to it
+  if (!(length > 0.5F && length < 2)) return;  // not tracked; the stylist handles it
   rig::Quat now(rotation.coeffs() / length);
   if (!joint.known) {
     joint = {now, rig::Vec3::Zero(), true};

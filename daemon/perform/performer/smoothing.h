@@ -10,9 +10,9 @@
 
 namespace styled::pipeline {
 
-// The One Euro filter (Casiez, Roussel, Vogel, CHI 2012, doi 10.1145/2207676.2208639) on a rig's
+// The One Euro filter (Casiez, Roussel, Vogel, CHI 2012, doi 10.1145/2207676.2208639) for a rig's
 // poses: a low-pass whose cutoff grows with the speed, so that a body at rest does not jitter and a
-// fast one is not late. Each joint's local rotation is filtered by its angular speed, the root's
+// fast one is not delayed. Each joint's local rotation is filtered by its angular speed, the root's
 // position by its speed. One per performer, pipeline thread; only the constructor allocates. Pinned
 // by tests/unit/daemon/smoothing_test.cpp.
 class PoseSmoothing {
@@ -21,15 +21,16 @@ class PoseSmoothing {
   PoseSmoothing(const config::Smoothing& options, std::size_t joints, float metres_per_unit);
 
   bool active() const noexcept { return options_.rest_hz > 0; }
-  // The next pose is taken as it is.
+  // The next pose passes unfiltered.
   STYLED_REALTIME void Reset() noexcept { any_ = false; }
   // See model/base/checkpoint.h.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
     c(any_, joints_, position_, velocity_, has_position_);
     c.Time(time_ns_);
   }
-  // Filters the pose at a time of the session. What is not finite stays, and leaves the joint's
-  // filter as it was. After a gap of more than kGap_ns, or a step back, the filter begins anew.
+  // Filters the pose at a time of the session. Values that are not finite stay, and leave the
+  // joint's filter unchanged. After a gap of more than kGap_ns, or a step back, the filter
+  // restarts.
   static constexpr std::int64_t kGap_ns = 500'000'000;
   STYLED_REALTIME void Apply(rig::RigPose& pose, std::int64_t time_ns) noexcept;
 

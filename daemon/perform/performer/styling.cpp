@@ -12,11 +12,11 @@ using runtime::Counter;
 
 namespace {
 
-// Quick, because frames are late meanwhile; and slower back, where nothing presses.
+// Fast, because frames are late meanwhile; the style returns more slowly.
 constexpr float kReliefFade_s = 0.1F;
 constexpr float kReturnFade_s = 0.5F;
-// Of so many poses one is measured: what a style does hardly changes meanwhile, and two bodies less
-// are computed in most frames.
+// Every kMeasuredOf-th pose is measured, because the effect of a style changes little in between.
+// This saves computing two bodies in the other frames.
 constexpr int kMeasuredOf = 4;
 
 }  // namespace

@@ -27,14 +27,14 @@ class Styling {
   // `counters` must outlive it.
   Styling(const BoundBody& body, const RuntimeConfig& config, runtime::Counters& counters);
 
-  // Applies the look of a profile from the next frame on, as far as the network has its styles;
-  // returns the names of those that it lacks.
+  // Applies the look of a profile from the next frame on, as far as the network has its styles.
+  // Returns the names of those that it lacks.
   std::vector<std::string> ApplyLook(const Profile& profile, const RuntimeConfig& config);
-  // Fades the style out, whatever the look, and then saves the network's time; or back in.
+  // Fades the style out, whatever the look, and then skips the network; or fades it in again.
   STYLED_REALTIME void Relieve(bool relieved) noexcept;
   // After new weights or options: makes a new stylist, without look and output.
   void Rebuild(const BoundBody& body, const RuntimeConfig& config);
-  // After a network that shares streams with the last one: goes on with it.
+  // Continues with a network that shares streams with the last one.
   void Adopt(const RuntimeConfig& config);
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept { stylist_.Reset(); }
@@ -42,7 +42,7 @@ class Styling {
   // See model/base/checkpoint.h; the last output is not in it.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept { stylist_.Carry(c); }
 
-  // Swaps the next pose in, and mirrors it if the binding is that of the mirrored skeleton.
+  // Swaps in the next pose, and mirrors it if the binding is that of the mirrored skeleton.
   STYLED_REALTIME void SetInput(rig::RigPose& received) noexcept;
   // The job for that pose, for Stylist::ProcessTogether. `elapsed_ns` is the session's.
   STYLED_REALTIME stylist::Stylist::Job MakeJob(std::int64_t elapsed_ns) noexcept {
@@ -54,9 +54,9 @@ class Styling {
   // Brings the next frame's data into the caches. Changes nothing.
   STYLED_REALTIME void Prewarm() noexcept { rehearsal_->Prewarm(stylist_); }
 
-  // Ends the second of which Describe tells.
+  // Ends a second: Describe reports it.
   void Sample() noexcept;
-  // Fills `neutral`, and what tells of the style, unless no pose of that second was styled.
+  // Fills `neutral`, and the statistics of the style unless no pose of that second was styled.
   void Describe(v1::PerformerStats& stats) const;
 
   stylist::Stylist& stylist() { return stylist_; }
@@ -74,7 +74,7 @@ class Styling {
     float turned_rad = 0;
     int poses = 0;
     stylist::Moved moved_m{};
-    int measured = 0;  // poses of moved_m
+    int measured = 0;  // number of poses in moved_m
   };
   void CountFlags(std::uint32_t flags) noexcept;
 
@@ -84,7 +84,7 @@ class Styling {
   stylist::Settings settings_;  // of the look
   bool relieved_ = false;
   stylist::Stylist stylist_;
-  std::shared_ptr<stylist::Rehearsal> rehearsal_;  // of the stylist, before a frame is due
+  std::shared_ptr<stylist::Rehearsal> rehearsal_;  // of the stylist, run before a frame is due
   rig::RigPose in_;
   stylist::Output out_;
   bool has_output_ = false;

@@ -201,7 +201,8 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
   std::array<Scratch<kShape>, Most> scratch;
   std::array<Operands, Most> operands;
 
-  // 1. Find the branches to run; start those that did not run before.
+  // 1. Find the branches to run. Unused branches are dropped first, so that each new one finds a
+  // free slot; it starts from its learned state.
   for (std::size_t k = 0; k < count; ++k) {
     const StepJob& job = jobs[k];
     Scratch<kShape>& own = scratch[k];
@@ -227,7 +228,9 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
     }
   }
 
-  // 2. z = W1 relu(W0 [u, S] + b0) + b1
+  // 2. Encode: z = W1 relu(W0 [u, S] + b0) + b1. As in all steps, one call serves all performers,
+  // so that each weight is read from memory once. The label S is constant per style and therefore
+  // part of the bias.
   for (std::size_t k = 0; k < count; ++k) {
     Scratch<kShape>& own = scratch[k];
     kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
@@ -240,7 +243,10 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
   }
   Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
 
-  // 3. z' = r_0(z) + Σ_s α_s r_s(z), and the target style Ŝ's part of the decoder's first layer.
+  // 3. Run the recurrent branches: z' = r_0(z) + Σ_s α_s r_s(z). Branches run style by style,
+  // because performers in the same style share its weights. The reconstruction adds only the input
+  // style's residual, in full. The target style Ŝ is a mixture, so its part of the decoder's first
+  // layer is a mixture of biases.
   BranchRun<kShape, Most> neutral;
   for (std::size_t k = 0; k < count; ++k) neutral.Add(scratch[k].z.data(), jobs[k].state->neutral);
   neutral.Run(kernels, w.neutral);
@@ -277,8 +283,7 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
       AddTo(own.target, style.weight, w.decoder0_bias[style.style].data());
       sum += style.weight;
     }
-    // Ŝ is a mixture: neutral has the weight that the styles leave to 1; above 1 they are
-    // normalized.
+    // Neutral has the weight that the styles leave to 1; a sum above 1 is normalized.
     AddTo(own.target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
     if (sum > 1.0F) {
       for (float& value : own.target) value /= sum;
@@ -287,7 +292,8 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
     if (own.wanted.count > 0) latents[latent_count++] = &own.styled;
   }
 
-  // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads, for all latents at once.
+  // 4. Decode: d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads, for all latents in one call
+  // per layer. Without a style the styled pose is the reconstruction, so that one latent suffices.
   const auto decodings = std::span<Decoding<kShape>* const>(latents).first(latent_count);
   using D = Decoding<kShape>;
   Decode<2 * Most, kShape>(kernels, w.decoder0, nullptr, &D::latent, &D::d0, true, decodings);

@@ -20,7 +20,7 @@ inline constexpr const char* kStandard = "-";
 // A clip to read.
 struct Input {
   std::string file;   // or kStandard
-  std::string name;   // {dir}: its folder relative to the folder that was named, or "."
+  std::string name;   // {name}: the file's name without folder and extension
   std::string dir;    // {dir}: its folder relative to the folder that was named, or "."
   std::string error;  // why it cannot be used; file is then the name on the command line
 };

@@ -1,4 +1,4 @@
-// The styling of one clip: which network runs how, and what came of its frames.
+// The styling of one clip: how each kind of network runs, and the figures of its frames.
 #include "model/tools/stylize/restyle.h"
 
 #include <algorithm>

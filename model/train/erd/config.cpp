@@ -30,7 +30,7 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
            {"--heading-tau", &c.heading_tau_s, kAtLeast0, "Time constant of the heading filter, s"},
            {"--window", &c.window, kAny, "Length of a window, frames; at least 4"},
            {"--per-style", &c.per_style, kAny,
-            "Windows in a batch: so many of each style, and so many neutral ones for it"},
+            "Number of windows of each style in a batch, and of neutral windows for it"},
            {"--carry", &c.carry, kAtLeast0,
             "Share of windows that start from the states at the end of the one before"},
            {"--session-start", &c.session_start, kAtLeast0,

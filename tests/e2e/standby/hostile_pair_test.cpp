@@ -1,6 +1,6 @@
-// A pair of real daemons leads with one, whatever is said to them: a style that no message holds,
-// somebody who subscribes to the journal all the time, programs that are no daemon at the peer's
-// address, and settings that differ.
+// In a pair of real daemons one always leads, whatever they receive: a style too large for a
+// message, a client that keeps subscribing to the journal, programs that are not daemons at the
+// peer's address, and settings that differ.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -248,7 +248,7 @@ TEST_F(HostilePairTest, AProgramThereThatBreaksTheProtocolDoesNotDeafenTheLeader
   const auto other = Start(1);
   ASSERT_TRUE(Follows(*other));
   EXPECT_TRUE(Becomes(*one, [](const auto& state) { return state.heard(); }));
-  // A daemon gives way only to a leader that it hears.
+  // A daemon yields only to a leader that it hears.
   one->child->Signal(SIGSTOP);
   Sleep(0.6);
   one->child->Signal(SIGCONT);
@@ -310,14 +310,14 @@ TEST_F(HostilePairTest, AStandbyOfOtherSettingsSaysWhichAndLeadsAllTheSame) {
   const v1::StandbyState state = State(*other);
   EXPECT_FALSE(state.ready());
   EXPECT_THAT(state.why_not(), HasSubstr("model.feet: false here, true there"));
-  EXPECT_THAT(Status(*other), HasSubstr("not ready: it is set up otherwise than the leader"));
+  EXPECT_THAT(Status(*other), HasSubstr("not ready: its configuration differs from the leader"));
   EXPECT_TRUE(Becomes(*one, [](const auto& leader) { return leader.differs_size() == 2; }));
   EXPECT_THAT(Status(*one), HasSubstr("differs: model.feet: true here, false there"));
   one->child->Signal(SIGKILL);
   one->child->Wait(5);
   ASSERT_TRUE(Leads(*other));
   const auto says = [&other] {
-    return other->Log().find("leads, although it was not ready: it is set up otherwise") !=
+    return other->Log().find("leads, although it was not ready: its configuration differs") !=
            std::string::npos;
   };
   for (int i = 0; i < 500 && !says(); ++i) Sleep(0.01);

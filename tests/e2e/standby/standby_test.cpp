@@ -1,7 +1,6 @@
-// Two daemons that stand in for each other, a rig that sends to both, and a subscriber of both:
-// what the subscriber has when one of them is killed, stopped, restarted or asked to give the lead
-// away. A third daemon that nobody touches shows what would have been. STYLED_ROUNDS: how many
-// kills.
+// A pair of daemons, a rig that sends to both, and a subscriber of both: the frames that the
+// subscriber receives when one daemon is killed, stopped, restarted or must give up the lead. A
+// third daemon that runs undisturbed gives the expected frames. STYLED_ROUNDS: the number of kills.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -146,7 +145,7 @@ class StandbyTest : public testing::Test {
     Daemon probe;  // finds free ports
     auto fixed = Fixed(probe);
     probe.Stop();
-    fixed.emplace_back("publish.high_water_mark=64");  // as a user has it
+    fixed.emplace_back("publish.high_water_mark=64");  // a user's setting
     return std::make_unique<Daemon>(fixed, Standby(own));
   }
   static v1::StandbyState State(const Daemon& daemon) {
@@ -176,7 +175,7 @@ class StandbyTest : public testing::Test {
     arguments.insert(arguments.begin(), {"--endpoint", daemon.control});
     std::ostringstream out, err;
     const int code = stylectl::Run(std::move(arguments), out, err);
-    said_ = out.str() + err.str();
+    printed_ = out.str() + err.str();
     return code;
   }
 
@@ -206,7 +205,7 @@ class StandbyTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::array<std::unique_ptr<Daemon>, 2> pair_{Pair(0), nullptr};
-  std::string said_;
+  std::string printed_;
 };
 
 TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
@@ -236,7 +235,7 @@ TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
     for (int i = 0; i < 500 && viewer.size() < before + 60; ++i) Sleep(0.01);
     EXPECT_GE(viewer.size(), before + 60) << standby.Log();
     std::printf("kill %d: %.0f ms without a frame\n", round + 1, viewer.TakeLongest_ms());
-    EXPECT_THAT(standby.Log(), HasSubstr("leads from here on"));
+    EXPECT_THAT(standby.Log(), HasSubstr("leads from now on"));
     leader.Start();
   }
   EXPECT_EQ(viewer.epochs(), 0);
@@ -285,15 +284,15 @@ TEST_F(StandbyTest, AGoodbyeAndAWishTakeNoFrameEither) {
   Sender sender({pair_[0]->udp, pair_[1]->udp, whole.udp});
   while (viewer.size() < 60) Sleep(0.02);
   EXPECT_NE(Stylectl(*pair_[1], {"set", "rig.a", "--style", "style1"}), 0);
-  EXPECT_THAT(said_, HasSubstr("standby of ipc://"));
+  EXPECT_THAT(printed_, HasSubstr("standby of ipc://"));
   ASSERT_TRUE(Becomes(*pair_[1], "following"));
   ASSERT_TRUE(viewer.HasBoth());
-  EXPECT_EQ(Stylectl(*pair_[1], {"lead"}), 0) << said_;
+  EXPECT_EQ(Stylectl(*pair_[1], {"lead"}), 0) << printed_;
   ASSERT_TRUE(Becomes(*pair_[1], "leading"));
   ASSERT_TRUE(Becomes(*pair_[0], "following"));
   for (const auto& daemon : {pair_[0].get(), pair_[1].get()}) {
     EXPECT_EQ(Stylectl(*daemon, {"status"}), 0);
-    EXPECT_THAT(said_, HasSubstr("standby: "));
+    EXPECT_THAT(printed_, HasSubstr("standby: "));
   }
   EXPECT_EQ(pair_[1]->Stop(), 0);  // SIGTERM
   ASSERT_TRUE(Becomes(*pair_[0], "leading"));
@@ -324,7 +323,7 @@ TEST_F(StandbyTest, ALeaderThatStandsStillIsReplacedAndComesBackAsTheStandby) {
   EXPECT_EQ(state.different(), 0U);
 }
 
-// Each shows its own key, and admits the other one's alone.
+// Each daemon shows its own key, and admits only its peer's.
 TEST_F(StandbyTest, WithKeysTheyFollowEachOtherAndAStrangerHearsNothing) {
   const std::string folders[] = {folder_ / "keys0", folder_ / "keys1"};
   std::array<std::string, 2> keys;

@@ -44,7 +44,7 @@ TEST(AdmissionTest, ASlowRigIsStaleAfterThreeOfItsPeriods) {
   EXPECT_EQ(admission.StaleAfter_ns(stale_ns), 10 * kSecond_ns) << "at most";
 }
 
-TEST(AdmissionTest, TheRateIsThatOfTheFramesAndNoneWhileStale) {
+TEST(AdmissionTest, TheRateIsThatOfTheFramesAndZeroWhileStale) {
   Admission admission;
   std::int64_t now_ns = kSecond_ns;
   for (int i = 0; i < 61; ++i) admission.MarkLive(now_ns += kSecond_ns / 60);

@@ -42,7 +42,7 @@ TEST(Anticipation, DoesNotPrepareForAFrameThatIsOverdue) {
   EXPECT_FALSE(anticipation.Expects(kDue_ns + kPatience_ns));
 }
 
-TEST(Anticipation, StartsAnewWithEachFrame) {
+TEST(Anticipation, PreparationRestartsWithEachFrame) {
   Anticipation anticipation;
   anticipation.Await(kDue_ns);
   EXPECT_TRUE(anticipation.Prepare(kDue_ns));

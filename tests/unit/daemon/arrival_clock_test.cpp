@@ -63,7 +63,7 @@ TEST_F(ArrivalClockTest, ADatagramThatWaitedHasItsOwnTime) {
   EXPECT_EQ(AgeOf(stamp_ns), 22 * kMillisecond_ns);
 }
 
-TEST_F(ArrivalClockTest, AlsoAfterSeconds) {
+TEST_F(ArrivalClockTest, ADatagramThatWaitedForSecondsHasItsOwnTime) {
   const std::int64_t stamp_ns = Wall();
   clock_.now_ns += 3 * kSecond_ns;
   EXPECT_EQ(AgeOf(stamp_ns), 3 * kSecond_ns);
@@ -101,7 +101,7 @@ TEST_F(ArrivalClockTest, DatagramsAfterAFullBatchMayBeOlder) {
   EXPECT_EQ(AgeOf(stamp_ns), 110 * kMillisecond_ns);
 }
 
-TEST(WallWatchTest, AnInterruptionBetweenTheReadingsIsNoStep) {
+TEST(WallWatchTest, AnInterruptionBetweenReadingsIsNotAStep) {
   TwoClocks clock;
   runtime::WallWatch watch;
   EXPECT_EQ(watch.Look(clock), 0) << "the first look has nothing to compare with";
@@ -109,7 +109,7 @@ TEST(WallWatchTest, AnInterruptionBetweenTheReadingsIsNoStep) {
   EXPECT_EQ(watch.Look(clock), 0);
 }
 
-TEST(WallWatchTest, AStepIsToldOnceAndSmallOnesAddUp) {
+TEST(WallWatchTest, AStepIsReportedOnceAndSmallOnesAddUp) {
   TwoClocks clock;
   runtime::WallWatch watch;
   EXPECT_EQ(watch.Look(clock), 0);
@@ -147,7 +147,7 @@ class UdpSocketTest : public testing::Test {
   runtime::Counters counters_;
 };
 
-TEST_F(UdpSocketTest, TheArrivalIsTheKernelsHoweverLongTheLoopWasHeldUp) {
+TEST_F(UdpSocketTest, ADatagramHasTheKernelsArrivalTime) {
   UdpSocket socket = Open(1 << 20);
   const support::UdpLink link(socket.endpoint());
   EXPECT_TRUE(socket.Receive().empty());

@@ -47,7 +47,7 @@ class CanaryTest : public testing::Test {
   runtime::Counters counters_;
 };
 
-TEST_F(CanaryTest, ItAsksForNothing) {
+TEST_F(CanaryTest, TheCanaryRequestsNoTopic) {
   EXPECT_EQ(publisher_.Get(ZMQ_EVENTS) & ZMQ_POLLIN, 0) << "its subscription counts for no topic";
 }
 
@@ -93,14 +93,14 @@ TEST(StalledTest, AConnectionThatTakesNothingIsFoundByItsPort) {
   EXPECT_TRUE(FindStalled("", 7001).empty());
 }
 
-TEST(StalledTest, OfIPv6Too) {
+TEST(StalledTest, AStalledIPv6ConnectionIsFound) {
   const std::string line =
       "   1: 00000000000000000000000001000000:1B59 00000000000000000000000001000000:1267 01 "
       "0001F3A0:00000000 04:0000001D 00000000     0\n";
   EXPECT_EQ(FindStalled(line, 7001), (std::vector<std::string>{"[::1]:4711"}));
 }
 
-TEST(StalledTest, ItIsToldOnceFromTheSecondLookOnAndItsRecoveryToo) {
+TEST(StalledTest, AStallIsReportedOnceFromTheSecondTableOnAndSoIsItsEnd) {
   StalledSubscribers subscribers("tcp://0.0.0.0:7001");
   std::vector<std::string> fresh, recovered;
   const auto look = [&](std::vector<std::string> stalled) {

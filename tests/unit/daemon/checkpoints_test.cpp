@@ -1,5 +1,5 @@
-// A checkpoint of one daemon's performer is restored by another daemon: the motion goes on there,
-// bit for bit. What cannot be restored leaves everything as it was.
+// A checkpoint of one daemon's performer is restored by another daemon: the motion continues there,
+// bit for bit. A checkpoint that cannot be restored changes nothing.
 #include "daemon/perform/checkpoints.h"
 
 #include <gtest/gtest.h>
@@ -136,7 +136,7 @@ struct CheckpointsTest : testing::Test {
   const std::shared_ptr<RuntimeConfig> config = std::make_shared<RuntimeConfig>();
 };
 
-TEST_F(CheckpointsTest, AnotherDaemonGoesOnBitForBit) {
+TEST_F(CheckpointsTest, AnotherDaemonContinuesBitForBit) {
   const auto show = Show(240);
   const auto first = Start();
   std::map<int, std::unique_ptr<Stage>> others;
@@ -175,7 +175,7 @@ TEST_F(CheckpointsTest, AnotherDaemonGoesOnBitForBit) {
   EXPECT_EQ(others.size(), 7U);
 }
 
-TEST_F(CheckpointsTest, ItIsTheSameOverAPerformerWhoIsThere) {
+TEST_F(CheckpointsTest, AStateReplacesAPresentPerformer) {
   const auto show = Show(200);
   const auto first = Start(), second = Start(70);
   for (int i = 0; i < 200; ++i) {
@@ -193,7 +193,7 @@ TEST_F(CheckpointsTest, ItIsTheSameOverAPerformerWhoIsThere) {
   }
 }
 
-TEST_F(CheckpointsTest, UnderAnotherName) {
+TEST_F(CheckpointsTest, AStateIsRestoredUnderAnotherName) {
   const auto first = Start(), second = Start();
   const auto show = Show(90);
   for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
@@ -209,8 +209,8 @@ TEST_F(CheckpointsTest, UnderAnotherName) {
   EXPECT_EQ(frames.back().flags() & v1::FLAG_NEW_SESSION, 0U);
 }
 
-// Whoever is refused is told why, and nothing has happened: the same frames as without.
-TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
+// A refusal gives the reason and changes nothing: the frames are the same as without the request.
+TEST_F(CheckpointsTest, ARefusedCheckpointChangesNothing) {
   const auto first = Start(), second = Start();
   const auto show = Show(160);
   const auto both = [&](int from, int to) {
@@ -262,9 +262,9 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
   both(50, 160);
 }
 
-// Who can make a checksum can make any state: it is refused, or the performer is styled in bounds,
-// and is well again after a reset.
-TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
+// A sender that can compute the checksum can send any state: it is refused, or the performer is
+// styled within bounds and recovers after a reset.
+TEST_F(CheckpointsTest, DamagedStatesHaveNoEffect) {
   const auto show = Show(80);
   const auto first = Start();
   for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
@@ -300,7 +300,7 @@ TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
   EXPECT_LT(refused, kTries);
 }
 
-TEST_F(CheckpointsTest, NamesThatAreNone) {
+TEST_F(CheckpointsTest, InvalidNamesAreRefused) {
   const auto stage = Start();
   stage->Deliver(Show(1)[0]);
   const v1::Checkpoint good = stage->Accept().checkpoint();
@@ -313,7 +313,7 @@ TEST_F(CheckpointsTest, NamesThatAreNone) {
   EXPECT_EQ(stage->Accept("rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
 }
 
-TEST_F(CheckpointsTest, AFullTableIsSaid) {
+TEST_F(CheckpointsTest, AFullTableIsReported) {
   config->performers.max_performers = 1;
   const auto stage = Start();
   for (const auto& datagram : Show(3)) stage->Deliver(datagram);

@@ -93,7 +93,7 @@ struct ClockWatchTest : testing::Test {
   std::int64_t now_ns = 0;
 };
 
-TEST_F(ClockWatchTest, WithoutPtp4lTheKernelAloneIsAsked) {
+TEST_F(ClockWatchTest, OnlyTheKernelIsQueriedWithoutPtp4l) {
   for (int i = 0; i < 3; ++i) watch.Update(now_ns += kSecond);
   EXPECT_FALSE(watch.discipline().ptp);
   if (watch.discipline().known) EXPECT_GE(watch.discipline().max_error_s, 0);

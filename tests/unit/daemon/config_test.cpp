@@ -135,7 +135,7 @@ TEST_F(ConfigTest, FormerNamesOfKeysAreStillRead) {
   EXPECT_FLOAT_EQ(options.out_of_domain_fade_s, 0.1F);
 }
 
-TEST_F(ConfigTest, OutputsAndJointsAreReadAndJudged) {
+TEST_F(ConfigTest, OutputsAndJointsAreReadAndChecked) {
   const auto config = LoadText(
       "[[source]]\nlisten = '127.0.0.1:0'\njoints = { leftUpperArm = 'Arm_01', spine = '' }\n"
       "[[output]]\nname = 'hero'\navatar = 'hero.vrm'\nperformers = ['rig.anna']\n");
@@ -163,7 +163,7 @@ TEST_F(ConfigTest, OutputsAndJointsAreReadAndJudged) {
                         "\"leftUpperArm\""));
 }
 
-TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
+TEST_F(ConfigTest, OtherMachinesNeedAKeyThatAdmitsThem) {
   for (const std::string address : {"tcp://0.0.0.0:1", "tcp://*:1", "tcp://192.168.1.2:1",
                                     "tcp://127.example.org:1", "tcp://[::]:1"}) {
     EXPECT_THAT(Complaint("[publish]\naddress = '" + address + "'\n"),
@@ -180,7 +180,7 @@ TEST_F(ConfigTest, OtherMachinesAreLetInOnlyByAKeyThatSaysSo) {
   }
 }
 
-TEST_F(ConfigTest, AStandbyBeyondThisMachineNeedsKeysOrAWordThatSaysSo) {
+TEST_F(ConfigTest, AStandbyOnAnotherMachineNeedsKeysOrAnExplicitSetting) {
   const std::string here = "[standby]\npeer = 'tcp://127.0.0.1:7014'\n";
   EXPECT_EQ(Complaint(here), "");
   EXPECT_EQ(Complaint("[standby]\naddress = 'nonsense'\n"), "") << "off: not looked at";
@@ -203,7 +203,7 @@ TEST_F(ConfigTest, AStandbyBeyondThisMachineNeedsKeysOrAWordThatSaysSo) {
   EXPECT_EQ(Complaint(far + "allow_unauthenticated_remote = true\n"), "");
 }
 
-TEST_F(ConfigTest, KeysLetOtherMachinesInAndALocalAddressAsksForNone) {
+TEST_F(ConfigTest, KeysAdmitOtherMachinesAndALocalAddressNeedsNone) {
   const std::string keys = "[security]\nkeys = '/k'\n";
   const auto asks = [&](const std::string& text) {
     const auto config = LoadText(text);
@@ -469,7 +469,7 @@ TEST_F(ConfigTest, PartsAreOfATypeThatHasThem) {
               HasSubstr("source.0.parts: only for a source with merge_into"));
 }
 
-TEST_F(ConfigTest, AnInterfaceThatIsNotThereIsWarnedOf) {
+TEST_F(ConfigTest, AMissingInterfaceCausesAWarning) {
   Config config;
   config.sources.resize(4);
   config.sources[0].interface = "127.0.0.1";

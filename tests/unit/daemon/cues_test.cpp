@@ -25,7 +25,7 @@ TEST(Timecode, IsReadStrictlyAndGrowsWithTime) {
   }
 }
 
-TEST(Timecode, ACueIsPassedOnceAndNotByWinding) {
+TEST(Timecode, ACueFiresOnceAndNotByWinding) {
   EXPECT_TRUE(Passes(100, 99, 100));
   EXPECT_TRUE(Passes(100, 60, 140));
   EXPECT_FALSE(Passes(100, 100, 101)) << "it was fired at 100";
@@ -58,7 +58,7 @@ class MakeCueTest : public testing::Test {
   std::shared_ptr<const net::Stylizer> network_ = erd::RandomStylizer(5, 1);
 };
 
-TEST_F(MakeCueTest, ACueIsTheRequestsThatItMeans) {
+TEST_F(MakeCueTest, ACueBecomesItsRequests) {
   const auto style = Make([](config::Cue& cue) {
     cue.at = "01:00:10:00";
     cue.style = "style1";

@@ -113,7 +113,7 @@ TEST_F(DelayTest, BurstsAreDeliveredEvenly) {
   EXPECT_EQ(shown.missed, 0U);
 }
 
-TEST_F(DelayTest, FramesThatOvertookOneAnotherLeaveInOrder) {
+TEST_F(DelayTest, ReorderedFramesLeaveInOrder) {
   for (int i = 0; i < 60; ++i) {
     if (i % 10 == 2 && i > 2)
       Arrives(i * kPeriod_ns - 1, rig.Body());  // overtakes the late frame before it
@@ -137,7 +137,7 @@ TEST_F(DelayTest, ALateDatagramIsDeliveredAtOnceAndCounted) {
   EXPECT_EQ(delayed->smoothing().missed, 1U);
 }
 
-TEST_F(DelayTest, ANewSessionOrAClockSetBackBeginsAnew) {
+TEST_F(DelayTest, ANewSessionOrAClockSetBackRestartsTheDelay) {
   for (int i = 0; i < 30; ++i) Arrives(i * kPeriod_ns, rig.Frame());
   rig.session = 9;
   rig.time_ns = 5;

@@ -42,12 +42,12 @@ TEST_F(FacingTest, AFewStepsBackAreActing) {
   EXPECT_FALSE(facing.backwards());
 }
 
-TEST_F(FacingTest, SidewaysIsNeither) {
+TEST_F(FacingTest, SidewaysStepsAreIgnored) {
   Walk(facing, pose, 100, 1.0F, kPi / 2);
   EXPECT_FALSE(facing.backwards());
 }
 
-TEST_F(FacingTest, SwayingAndJumpsAreNoWalking) {
+TEST_F(FacingTest, SwayingAndJumpsAreNotWalking) {
   Walk(facing, pose, 50, 0.2F, kPi);
   Walk(facing, pose, 200, 30.0F, kPi);
   EXPECT_FALSE(facing.backwards());
@@ -61,14 +61,14 @@ TEST_F(FacingTest, APerformerWhoAlwaysWalksBackwardsIsSuspectedForAnyHeading) {
   }
 }
 
-TEST_F(FacingTest, TheSuspicionGoesWithTheReason) {
+TEST_F(FacingTest, TheSuspicionEndsWithItsReason) {
   Walk(facing, pose, 20, 1.2F, kPi);
   ASSERT_TRUE(facing.backwards());
   Walk(facing, pose, 30, 1.2F, 0);
   EXPECT_FALSE(facing.backwards());
 }
 
-TEST_F(FacingTest, NothingAbsurdIsCounted) {
+TEST_F(FacingTest, InvalidPosesAreNotCounted) {
   const float huge = 1e30F;
   for (int i = 0; i < 1000; ++i) {
     pose.hips_position_m = body::Vec3(i % 2 == 0 ? huge : -huge, 0, huge);

@@ -28,7 +28,7 @@ class FingerLayerTest : public testing::Test {
     became_ = accepted.ok() ? std::optional(accepted.value()) : std::nullopt;
     return accepted.status().message();
   }
-  // Frames of the glove at 100 Hz for so long, and the performer's time with it.
+  // Plays `ms` of glove frames at 100 Hz, and the performer's time with them.
   void Play(FingerLayer& layer, Glove& glove, int ms) {
     for (int i = 0; i < ms; i += 10) {
       now_ns_ += 10 * kMs;
@@ -47,7 +47,7 @@ class FingerLayerTest : public testing::Test {
   std::optional<FingerLayer::Body> became_;  // empty: refused
 };
 
-TEST_F(FingerLayerTest, WithoutAFrameThePerformersOwnStay) {
+TEST_F(FingerLayerTest, ThePerformersOwnFingersStayWithoutAFrame) {
   FingerLayer layer = Layer();
   Glove glove;
   EXPECT_EQ(layer.Accept(glove.Frame(), now_ns_), Counter::kPipelineBeforeBody);
@@ -60,7 +60,7 @@ TEST_F(FingerLayerTest, WithoutAFrameThePerformersOwnStay) {
   EXPECT_FALSE(layer.Live(now_ns_));
 }
 
-TEST_F(FingerLayerTest, FingersAreThoseAgainstTheSourcesOwnHand) {
+TEST_F(FingerLayerTest, FingersAreRelativeToTheSourcesOwnHand) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
@@ -107,7 +107,7 @@ TEST_F(FingerLayerTest, TheTPoseIsTheSourcesRestPose) {
   for (int t = 0; t < rig::kTailLeftEye; ++t) EXPECT_NEAR(Degrees(layer, t), 0, 0.05) << t;
 }
 
-TEST_F(FingerLayerTest, ComeHoldAndGoWithoutAJump) {
+TEST_F(FingerLayerTest, FingersAppearHoldAndVanishWithoutAJump) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
@@ -136,7 +136,7 @@ TEST_F(FingerLayerTest, ComeHoldAndGoWithoutAJump) {
   EXPECT_LT(fastest, 80.0 * 1.6 / 50) << "degrees in 10 ms";
 }
 
-TEST_F(FingerLayerTest, ComingAndFallingSilentAreToldOnce) {
+TEST_F(FingerLayerTest, AppearanceAndSilenceAreReportedOnce) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
@@ -147,7 +147,7 @@ TEST_F(FingerLayerTest, ComingAndFallingSilentAreToldOnce) {
   EXPECT_EQ(layer.Change(now_ns_ + 5000 * kMs), 0);
 }
 
-TEST_F(FingerLayerTest, AHandThatIsNotTrackedGoesAlone) {
+TEST_F(FingerLayerTest, AnUntrackedHandFadesAlone) {
   FingerLayer layer = Layer();
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
@@ -196,7 +196,7 @@ TEST_F(FingerLayerTest, AbsurdValuesAreNotShown) {
   EXPECT_GE(Degrees(layer, kLeftIndex), 0);
 }
 
-TEST_F(FingerLayerTest, OnlyWantedJointsAreTaken) {
+TEST_F(FingerLayerTest, OnlyWantedJointsAreAccepted) {
   FingerLayer layer = Layer(rig::FingersOf(body::kRightHand));
   Glove glove;
   ASSERT_EQ(Accept(layer, glove.Body()), "");
@@ -206,7 +206,7 @@ TEST_F(FingerLayerTest, OnlyWantedJointsAreTaken) {
   EXPECT_NEAR(Degrees(layer, kRightIndex), 60, 0.01);
 }
 
-TEST_F(FingerLayerTest, ABodyOfASecondSenderChangesNothingAndSaysWhy) {
+TEST_F(FingerLayerTest, ABodyOfASecondSenderIsRefusedWithItsReason) {
   FingerLayer layer = Layer();
   Glove glove, second;
   second.session = 6;

@@ -46,7 +46,7 @@ std::size_t JointOf(const rig::Binding& binding, int tail_joint) {
 }
 double Degrees(const rig::Quat& a, const rig::Quat& b) { return 57.29578 * body::Angle_rad(a, b); }
 
-TEST(Fingers, SayWhichHandHasNoPlaceForThem) {
+TEST(Fingers, AHandWithoutPlaceForFingersIsNamed) {
   Given given(50);
   FingerLayer* const layer = &given.layer;
   EXPECT_EQ(Fingers({layer}, Humanoid()).HandsWithoutPlace(), "");
@@ -109,7 +109,7 @@ TEST(Fingers, FadeToThePerformersOwnWhichMayBeMissing) {
   EXPECT_LT(fastest, 70.0 * 1.6 / 50) << "degrees in 10 ms";
 }
 
-TEST(Fingers, OfTwoSourcesTheFirstThatHasDataCountsFingerByFinger) {
+TEST(Fingers, TheFirstOfTwoSourcesWithDataCountsForEachFinger) {
   const rig::Binding binding = Humanoid();
   Given first(50, rig::FingersOf(body::kRightHand) | rig::TailSet(7U << kIndex)), second(10);
   second.glove.Of(rig::kTailLeftThumb) = Bent(30);
@@ -195,7 +195,7 @@ TEST_F(MergedFingersTest, ReachAPerformerWhoseRigHasNone) {
   EXPECT_FALSE(pipeline_.StatsOf("rig.a").layers(1).live());
 }
 
-TEST_F(MergedFingersTest, ASourceWithoutFingersSaysSoOnce) {
+TEST_F(MergedFingersTest, ASourceWithoutFingersIsReportedOnce) {
   glove_ = Glove(rig::TailSet());
   for (int i = 0; i < 5; ++i) {
     GloveBody();

@@ -76,7 +76,7 @@ TEST_F(HostileFilesTest, OnlyARegularFileUpToTheLimitIsRead) {
 }
 
 // One that grows while it is read says less when it is opened than is read of it, as these do.
-TEST_F(HostileFilesTest, AFileThatIsLongerThanItSaidEndsAtTheLimit) {
+TEST_F(HostileFilesTest, AFileLongerThanItsStatedSizeEndsAtTheLimit) {
   const std::string file = "/proc/self/status";
   struct stat about {};
   ASSERT_EQ(stat(file.c_str(), &about), 0);
@@ -217,7 +217,7 @@ TEST_F(HostileFilesTest, TomlAgreesAboutWhereStringsAndCommentsEnd) {
   EXPECT_GT(deep_ones, 200);
 }
 
-TEST_F(HostileFilesTest, BytesThatAreNoTextAreRefusedInText) {
+TEST_F(HostileFilesTest, BinaryBytesAreRefusedInText) {
   for (const std::string& text :
        {std::string("[publish]\nx = 1\0", 16), std::string("\0", 1),
         std::string("a = \"\xFF\xFE\""), std::string("\xC3"), std::string("\x7f"),

@@ -141,7 +141,7 @@ TEST_F(HostileSenderTest, AnHonestGapIsStillBridged) {
   EXPECT_EQ(stage.publisher.frames.back().flags() & v1::FLAG_CONCEALED, v1::FLAG_CONCEALED);
 }
 
-TEST_F(HostileSenderTest, ASequenceFromTheFutureSilencesNobody) {
+TEST_F(HostileSenderTest, ASequenceFromTheFutureSilencesNoPerformer) {
   Deliver({victim.Body(), victim.Frame()});
   const std::uint64_t next = victim.sequence;
   victim.sequence = 1'000'000'000;
@@ -182,7 +182,7 @@ TEST_F(HostileSenderTest, AStolenSessionIdFromAnotherMachineChangesNothing) {
 
 // The report of status and doctor about a performer whose datagrams arrive and whose frames are not
 // published.
-TEST_F(HostileSenderTest, LiveMeansThatFramesLeaveAndTheReasonIsSaidWhereTheyDoNot) {
+TEST_F(HostileSenderTest, LiveMeansThatFramesLeaveAndOtherwiseTheReasonIsGiven) {
   Deliver({victim.Body(), victim.Frame()});
   VictimSends();
   EXPECT_TRUE(stage.StatsOf("rig.victim").live());
@@ -217,7 +217,7 @@ TEST_F(HostileSenderTest, ARigOf1HzIsLiveAtItsRateAndNotRepeated) {
 }
 
 // From the first sample on, and again after a silence.
-TEST_F(HostileSenderTest, TheRateIsTheRigsAtOnce) {
+TEST_F(HostileSenderTest, TheRateIsCorrectAtOnce) {
   for (const int rate_hz : {30, 120, 3}) {
     Rig rig("r" + std::to_string(rate_hz), 3);
     rig.period_ns = 1'000'000'000 / static_cast<std::uint64_t>(rate_hz);
@@ -279,7 +279,7 @@ TEST_F(HostileSenderTest, APerformerReplacedWithinABatchIsNotTouchedAgain) {
   EXPECT_EQ(stage.Count(Counter::kPipelineBeforeBody), 1U) << "ghost0's";
 }
 
-TEST_F(HostileSenderTest, ARigOf1HzTakesItsStyle) {
+TEST_F(HostileSenderTest, ARigOf1HzGetsItsStyle) {
   v1::Request request;
   request.set_performer("*");
   auto& mix = *request.mutable_set()->add_mix();
@@ -307,7 +307,7 @@ TEST_F(HostileSenderTest, ARigOf1HzTakesItsStyle) {
   EXPECT_GE(turned, 10U);
 }
 
-TEST_F(HostileSenderTest, EveryPerformersRefusedBodyIsTold) {
+TEST_F(HostileSenderTest, EveryPerformersRefusedBodyIsReported) {
   for (int round = 0; round < 5; ++round) {
     for (int k = 0; k < 5; ++k) {
       Rig rig("p" + std::to_string(k), 50 + static_cast<std::uint64_t>(k));
@@ -349,7 +349,7 @@ v1::Body WithRests(v1::Body body) {
   return body;
 }
 
-TEST_F(HostileSenderTest, ExchangedSidesAreToldLoggedAndFlagged) {
+TEST_F(HostileSenderTest, ExchangedSidesAreReportedLoggedAndFlagged) {
   Rig rig("a", 5);
   v1::Body body = WithRests(rig.MakeBody());
   Deliver({rig.Datagram(native::Kind::kBody, body.SerializeAsString()), rig.Frame()});
@@ -372,7 +372,7 @@ TEST_F(HostileSenderTest, ExchangedSidesAreToldLoggedAndFlagged) {
   }));
 }
 
-TEST_F(HostileSenderTest, MirroredAxesAreToldLoggedAndFlagged) {
+TEST_F(HostileSenderTest, MirroredAxesAreReportedLoggedAndFlagged) {
   Rig rig("a", 5);
   v1::Body body = WithRests(rig.MakeBody());
   for (int j = 0; j < body.names_size(); ++j) body.set_offsets(3 * j, -body.offsets(3 * j));

@@ -43,7 +43,7 @@ TEST(JournalTest, LinesCarryPriorityAndFields) {
 }
 
 // A performer's, a file's or a rig's name that is quoted.
-TEST(JournalTest, WhatIsQuotedIsOneLineOfUtf8) {
+TEST(JournalTest, QuotedTextIsOneLineOfUtf8) {
   const std::string strange = "rig \"\xFF\nPRIORITY=0\x1b[31m\"";
   const std::string shown = "rig \"\xEF\xBF\xBD\\nPRIORITY=0\\x1b[31m\"";
   support::Datagrams journal;
@@ -68,7 +68,7 @@ TEST(JournalTest, FieldsAreOneThreadsOwn) {
   EXPECT_EQ(journal.Next(), "MESSAGE=from another\nPRIORITY=6\nSYSLOG_IDENTIFIER=styled\n");
 }
 
-TEST(JournalTest, AJournalThatDoesNotReadHoldsNobodyUpAndIsToldWhatItMissed) {
+TEST(JournalTest, AStalledJournalDelaysNoThreadAndLearnsHowManyLinesItMissed) {
   support::Datagrams journal;
   auto log = LoggerTo(journal.path());
   constexpr int kLines = 20000;  // far more than any queue of datagrams has room for

@@ -58,7 +58,7 @@ TEST(FaceLayer, AnOlderFrameIsRefused) {
   EXPECT_TRUE(Accepts(layer, Frame(face, 0, 3), 0)) << "another session";
 }
 
-TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
+TEST(FaceLayer, ExpressionsReplaceThePerformersAndMessagesPassUnchanged) {
   FaceLayer layer;
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}}, "/VMC/Thru/a");
   ASSERT_TRUE(Accepts(layer, Frame(face, 1), 0));
@@ -70,7 +70,7 @@ TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
   EXPECT_EQ(shown.thru(0), "/VMC/Thru/a");
 }
 
-TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
+TEST(FaceLayer, ASilentFaceIsHeldThenFadesThenThePerformersOwnReturns) {
   FaceLayer layer;
   const Bytes face = Encoded({{"a", 0.8F}, {"b", 0.0F}}), own = Encoded({{"Joy", 1.0F}});
   ASSERT_TRUE(Accepts(layer, Frame(face, 1), 0));
@@ -86,7 +86,7 @@ TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
   EXPECT_FLOAT_EQ(at(5001), 0.8F);
 }
 
-TEST(FaceLayer, ComingAndFallingSilentAreToldOnce) {
+TEST(FaceLayer, AppearanceAndSilenceAreReportedOnce) {
   FaceLayer layer;
   EXPECT_EQ(layer.Change(0), 0);
   ASSERT_TRUE(Accepts(layer, Frame(Encoded({{"a", 0.8F}}), 1), 0));
@@ -112,7 +112,7 @@ TEST(FaceLayer, AFrameFromTheFutureAndASecondPhoneChangeNothing) {
 
 // Arrays that are not faces come from a performer's own protocol; nothing of it may be read beyond
 // its end.
-TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
+TEST(FaceLayer, BytesThatAreNotAFaceAreRefused) {
   FaceLayer layer;
   const Bytes whole = Encoded({{"jawOpen", 0.5F}}, "/VMC/Thru/a");
   const std::size_t expression_size = whole.size() - source::PassedOn(whole).size();
@@ -139,7 +139,7 @@ TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
   EXPECT_TRUE(std::ranges::equal(shown, absurd)) << "nothing of it is a value to scale";
 }
 
-TEST(Layers, AFaceGoesToItsPerformerAlone) {
+TEST(Layers, AFaceIsShownOnItsPerformerOnly) {
   Layers layers;
   config::Source stage, phone;
   phone.merge_into = "stage.anna";

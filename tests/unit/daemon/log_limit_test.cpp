@@ -13,7 +13,7 @@ using Kind = LogLimit::Kind;
 constexpr std::int64_t kLogSecond_ns = 1'000'000'000;
 constexpr source::Machine kTalker{1}, kOther{2};
 
-TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
+TEST(LogLimitTest, ARepeatedLineIsLoggedDecreasinglyOftenWithACount) {
   LogLimit limit;
   std::vector<int> logged_s;
   std::uint64_t held_back = 0, all_held_back = 0;
@@ -29,7 +29,7 @@ TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
   EXPECT_EQ(all_held_back, 255U + 1 - logged_s.size());
 }
 
-TEST(LogLimitTest, EveryPerformerAndKindIsToldOf) {
+TEST(LogLimitTest, EachPerformerAndKindHasALimitOfItsOwn) {
   LogLimit limit;
   std::map<std::string, int> said;
   std::uint64_t held_back = 0;
@@ -60,7 +60,7 @@ TEST(LogLimitTest, InventedNamesDoNotFillTheLog) {
   EXPECT_LE(lines, 16 + 2 * 10);
 }
 
-TEST(LogLimitTest, InventedNamesHideNobodyOfAnotherMachine) {
+TEST(LogLimitTest, InventedNamesHideNoLineOfAnotherMachine) {
   LogLimit limit;
   std::uint64_t held_back = 0;
   for (int i = 0; i < 3000; ++i) {  // a thousand a second

@@ -60,7 +60,7 @@ TEST(NativeDecoderTest, SkipsFieldsOfLaterVersions) {
   EXPECT_EQ(ReadSourceFrame(AsBytes(bytes), view), FrameResult::kOk);
 }
 
-TEST(NativeDecoderTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused) {
+TEST(NativeDecoderTest, TheFaceIsItsRunOfBytesAndAnUnreadableOneIsRefused) {
   v1::SourceFrame frame = support::Rig("a").MakeFrame();
   const auto add = [&frame](const std::string& name, float value) {
     auto& expression = *frame.add_expressions();

@@ -63,7 +63,7 @@ class NeutralInTheDaemon : public testing::Test {
   support::Rig rig_{"a", 9};
 };
 
-TEST_F(NeutralInTheDaemon, StatusTellsHowWellItIsKnown) {
+TEST_F(NeutralInTheDaemon, StatusShowsHowWellTheNeutralIsKnown) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 0.1);
   ASSERT_TRUE(pipeline_.StatsOf("rig.a").has_neutral());
@@ -103,7 +103,7 @@ TEST_F(NeutralInTheDaemon, ACalibrationEndsAndIsSaved) {
   EXPECT_TRUE(Told(next).calibrated());
 }
 
-TEST_F(NeutralInTheDaemon, ItOutlivesASilence) {
+TEST_F(NeutralInTheDaemon, TheNeutralOutlivesASilence) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 1);
   ASSERT_EQ(Calibrate(1).code(), v1::CODE_OK);
@@ -116,7 +116,7 @@ TEST_F(NeutralInTheDaemon, ItOutlivesASilence) {
   EXPECT_TRUE(Told(pipeline_).calibrated());
 }
 
-TEST_F(NeutralInTheDaemon, ItIsForgottenOnRequestAndLearnedAnew) {
+TEST_F(NeutralInTheDaemon, TheNeutralIsForgottenOnRequestAndLearnedAgain) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 1);
   ASSERT_EQ(Calibrate(1).code(), v1::CODE_OK);
@@ -158,7 +158,7 @@ struct WithoutAReference : NeutralInTheDaemon {
   WithoutAReference() : NeutralInTheDaemon(false) {}
 };
 
-TEST_F(WithoutAReference, OldWeightsHaveNoneAndSaySo) {
+TEST_F(WithoutAReference, OldWeightsHaveNoReferenceAndReportIt) {
   pipeline_.Deliver({rig_.Body()});
   Perform(pipeline_, 1);
   EXPECT_FALSE(pipeline_.StatsOf("rig.a").has_neutral());

@@ -86,7 +86,7 @@ TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
   EXPECT_TRUE(Read("/styled/panic", "i", 1).value().has_panic());
 }
 
-TEST_F(OscTest, AButtonLetGoAsksForNothing) {
+TEST_F(OscTest, AReleasedButtonRequestsNothing) {
   for (const char* address : {"/styled/panic", "/styled/cue/entrance"}) {
     const auto released = Read(address, "f", 0.0);
     ASSERT_TRUE(released.ok());

@@ -59,7 +59,7 @@ TEST_F(OverloadTest, LoadWithoutLateFramesLateFramesWithoutLoadAndLoadWithoutSty
   for (int i = 0; i < 20; ++i) EXPECT_EQ(Window(1, 1, 0.1), 0);
 }
 
-TEST_F(OverloadTest, EveryFourWindowsSomeAreRelievedAsManyAsTheLoadSays) {
+TEST_F(OverloadTest, TheLoadDecidesHowManyAreRelievedEveryFourWindows) {
   std::vector<int> changes;
   for (int i = 0; i < 40; ++i) {
     if (const int change = Window(1, 1); change != 0) changes.push_back(change);
@@ -76,7 +76,7 @@ TEST_F(OverloadTest, FramesThatAreDroppedCountAsIfTheyWereStyled) {
   EXPECT_NEAR(overload_.load(), 1.6, 1e-6);
 }
 
-TEST_F(OverloadTest, StylesComeBackOneByOneAfterTwoSecondsOfRoom) {
+TEST_F(OverloadTest, StylesReturnOneByOneAfterTwoSecondsOfRoom) {
   Window(1, 1);
   ASSERT_EQ(Window(1, 1), 5);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(Wait(), 2, 0.11);
@@ -84,7 +84,7 @@ TEST_F(OverloadTest, StylesComeBackOneByOneAfterTwoSecondsOfRoom) {
   EXPECT_EQ(Wait(), 100) << "nobody is left";
 }
 
-TEST_F(OverloadTest, WithoutRoomForOneMoreNoneComesBack) {
+TEST_F(OverloadTest, NoStyleReturnsWithoutRoomForOneMore) {
   Window(1, 1);
   ASSERT_EQ(Window(1, 1), 5);
   for (int i = 0; i < 300; ++i) EXPECT_EQ(Window(0.7, 0), 0) << "an eleventh more would be 0.76";
@@ -234,7 +234,7 @@ class SlowStageTest : public testing::Test {
   std::size_t sent_ = 0;
 };
 
-TEST_F(SlowStageTest, InOrdinaryOperationNobodyIsRelieved) {
+TEST_F(SlowStageTest, NoPerformerIsRelievedInOrdinaryOperation) {
   SetStyle("rig.p0", 1);
   slow_->step_ns = kPeriod_ns / 20;  // a load of 40 %
   Run(5);
@@ -308,7 +308,7 @@ class SlowStageWithoutReliefTest : public SlowStageTest {
   SlowStageWithoutReliefTest() : SlowStageTest(false) {}
 };
 
-TEST_F(SlowStageWithoutReliefTest, FramesAreLateAndThenTheNewestOnlyComes) {
+TEST_F(SlowStageWithoutReliefTest, FramesAreLateAndThenOnlyTheNewestIsSent) {
   slow_->step_ns = kPeriod_ns / 5;
   Run(4);
   EXPECT_EQ(Relieved(), 0);

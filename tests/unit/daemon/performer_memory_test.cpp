@@ -28,7 +28,7 @@ source::SourceFrame BodyOf(const support::Rig& rig) {
 
 // With every network that is shipped. Once each performer had a second stylist, only to bring data
 // into the caches before a frame, this was 3.4 MB.
-TEST(PerformerMemory, APerformerTakesWhatTheWarningCountsWith) {
+TEST(PerformerMemory, APerformerNeedsTheMemoryThatTheWarningAssumes) {
   if (!support::CountNew::CountsMalloc()) GTEST_SKIP() << "malloc is a sanitizer's here";
   for (const auto& file : std::filesystem::directory_iterator(STYLED_SHIPPED)) {
     if (file.path().extension() != ".safetensors") continue;

@@ -71,7 +71,7 @@ TEST(PerformerStream, LostFramesShowInTheSequenceAndARestartInTheSession) {
   EXPECT_EQ(f.items[3].sequence, 0U);
 }
 
-TEST(PerformerStream, AnotherBodyIsAnnouncedAtOnceTheSameOneIsNot) {
+TEST(PerformerStream, ANewBodyIsSentAtOnceAndTheSameOneIsNot) {
   Fixture f;
   f.SetBody();
   f.Send();

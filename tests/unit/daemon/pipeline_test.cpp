@@ -76,7 +76,7 @@ class PipelineTest : public testing::Test {
   std::unique_ptr<Pipeline> pipeline_;
 };
 
-TEST_F(PipelineTest, AFrameLeavesInTheSameCallItCameIn) {
+TEST_F(PipelineTest, AFrameIsSentInTheCallThatReceivesIt) {
   Deliver({rig_.Body(), rig_.Frame()});
   ASSERT_EQ(frames().size(), 1U);
   EXPECT_EQ(frames()[0].sequence(), 1U);
@@ -94,7 +94,7 @@ TEST_F(PipelineTest, ABodyInOtherUnitsHasAnotherHash) {
   EXPECT_NE(frames()[0].body_hash(), frames()[1].body_hash());
 }
 
-TEST_F(PipelineTest, AUnitThatIsNoLengthIsRefused) {
+TEST_F(PipelineTest, AUnitThatIsNotALengthIsRefused) {
   v1::Body body = rig_.MakeBody();
   for (const float unit_m :
        {-1.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
@@ -105,7 +105,7 @@ TEST_F(PipelineTest, AUnitThatIsNoLengthIsRefused) {
   EXPECT_TRUE(frames().empty());
 }
 
-TEST_F(PipelineTest, WhatAStrangerSentIsQuotedWithoutControlCharacters) {
+TEST_F(PipelineTest, ForeignTextIsQuotedWithoutControlCharacters) {
   v1::Body body = rig_.MakeBody();
   body.set_dialect("a\nb\x1b[31m");
   Deliver({rig_.Datagram(native::Kind::kBody, body.SerializeAsString())});
@@ -114,7 +114,7 @@ TEST_F(PipelineTest, WhatAStrangerSentIsQuotedWithoutControlCharacters) {
   EXPECT_NE(event.text.find("found dialect a\\nb\\x1b[31m"), std::string::npos) << event.text;
 }
 
-TEST_F(PipelineTest, UpToTheBacklogAllLateFramesArePublishedBeyondItTheNewestOnly) {
+TEST_F(PipelineTest, LateFramesArePublishedUpToTheBacklogAndThenOnlyTheNewest) {
   Deliver({rig_.Body(), rig_.Frame()});
   for (int i = 0; i < 20; ++i) {
     Pass(8);
@@ -143,7 +143,7 @@ TEST_F(PipelineTest, UpToTheBacklogAllLateFramesArePublishedBeyondItTheNewestOnl
   EXPECT_EQ(Count(Counter::kPipelineBacklogDropped), 23U);
 }
 
-TEST_F(PipelineTest, AWallClockThatIsSetIsToldOnceAndMakesNoFrameLate) {
+TEST_F(PipelineTest, AStepOfTheWallClockIsReportedOnceAndMakesNoFrameLate) {
   Deliver({rig_.Body(), rig_.Frame()});
   Pass(1000);
   const std::int64_t before_ns = clock_.Wall_ns();
@@ -201,7 +201,7 @@ TEST_F(PipelineTest, SilenceIsStaleOnceThenNothingThenForgotten) {
   EXPECT_EQ(Count(Counter::kPipelinePerformers), 1U);
   Pass(29'750);
   EXPECT_EQ(Count(Counter::kPipelinePerformers), 0U);
-  // Back again: its sequence goes on.
+  // The performer returns: its sequence continues.
   Deliver({rig_.Body(), rig_.Frame()});
   ASSERT_EQ(frames().size(), 3U);
   EXPECT_EQ(frames()[2].sequence(), 3U);
@@ -224,7 +224,7 @@ TEST_F(PipelineTest, TheReplyNamesTheFirstSequenceUnderTheChange) {
   EXPECT_EQ(frames()[2].styles(0).style(), "style1");
 }
 
-TEST_F(PipelineTest, TheReplyTellsWhoIsAbsentAndWhoseStyleHasNoStrength) {
+TEST_F(PipelineTest, TheReplyNamesAbsentPerformersAndStylesWithoutStrength) {
   Deliver({rig_.Body(), rig_.Frame()});
   v1::Request request;
   request.mutable_set()->add_mix()->set_style("S1");
@@ -268,7 +268,7 @@ TEST_F(PipelineTest, StatusTellsHowMuchOfTheStyleIsShown) {
   EXPECT_TRUE(styled.hardly_styled());
 }
 
-TEST_F(PipelineTest, AStyleThatIsGoneIsAWarningUntilAnotherIsChosen) {
+TEST_F(PipelineTest, AMissingStyleIsAWarningUntilAnotherIsChosen) {
   Profile kept;
   kept.id = "rig.a";
   kept.look = InitialLook();
@@ -373,7 +373,7 @@ TEST_F(PipelineTest, FramesForABundleAloneAreNotSentTwice) {
   EXPECT_EQ(publisher_.bundles[0].second.frames_size(), 1);
 }
 
-TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
+TEST_F(PipelineTest, ColdCachesAreWarmedShortlyBeforeAFrameIsDue) {
   Deliver({rig_.Body(), rig_.Frame()});
   clock_.now_ns += static_cast<std::int64_t>(rig_.period_ns);
   Deliver({rig_.Frame()});
@@ -396,7 +396,7 @@ TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
 }
 
 // To be woken for each frame of a crowd costs more than the frames.
-TEST_F(PipelineTest, WhatAnothersFrameHasWarmedWakesNobody) {
+TEST_F(PipelineTest, WarmCachesCauseNoWakeup) {
   support::Rig other("b");
   Deliver({rig_.Body(), other.Body()});
   for (int i = 0; i < 3; ++i) {
@@ -414,7 +414,7 @@ TEST_F(PipelineTest, WhatAnothersFrameHasWarmedWakesNobody) {
       << "the other one's is a while ahead";
 }
 
-TEST_F(PipelineTest, ABodyThatFramesOvertookIsTaken) {
+TEST_F(PipelineTest, ABodyThatFramesOvertookIsAccepted) {
   const support::Bytes body = rig_.Body();
   const support::Bytes first = rig_.Frame();
   Deliver({rig_.Frame()});

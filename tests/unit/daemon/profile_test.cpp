@@ -68,7 +68,7 @@ TEST(ProfileTest, AStyleWithoutVariationsIsNamedWhereTheLookAsksForThem) {
   EXPECT_NE(CheckVariations(each, styles).message(), "");
 }
 
-TEST(ProfileTest, TheStyleOfThatNameThatVariesStandsIn) {
+TEST(ProfileTest, AStyleOfTheSameNameThatVariesReplacesIt) {
   const net::Styles styles = Both();
   EXPECT_EQ(Resolved(Looking({{"elderly", 0.5F}}, 0), styles).mix[0].style, 1);
   const auto varied = Resolved(Looking({{"elderly", 0.5F}, {"masculine", 0.25F}}, 7), styles);

@@ -75,7 +75,7 @@ TEST(Props, AreWrittenAsProtobufDoes) {
   EXPECT_EQ(EncodeProps(std::span(two), std::span(small).first(2 * one)), 2 * one);
 }
 
-TEST(Props, WhatIsWrongWithOneIsLeftOutAndCounted) {
+TEST(Props, InvalidPropsAreLeftOutAndCounted) {
   const std::vector<float> p{1, 2, 3}, q{0, 0, 0, 1};
   const std::vector<std::pair<std::string, v1::Prop>> wrong{
       {"no name", Message("", p, q)},
@@ -190,7 +190,7 @@ TEST(Props, WithoutAStyleTheyLeaveBitForBit) {
   EXPECT_EQ(fake.Count(Counter::kPipelinePropsLeftOut), 0U);
 }
 
-TEST(Props, ComeAndGoAndAbsurdOnesDisturbNobody) {
+TEST(Props, PropsMayAppearAndVanishAndInvalidOnesHaveNoEffect) {
   support::FakePipeline fake(RandomConfig(), "source/");
   support::Rig rig("a");
   fake.Deliver({rig.Body()});
@@ -228,7 +228,7 @@ TEST(Props, ComeAndGoAndAbsurdOnesDisturbNobody) {
 }
 
 // A sword beside Anna's right hand, on the rig of tests/support/rig.h.
-TEST(Props, APropOfTheSceneIsWithItsHolderAlone) {
+TEST(Props, APropOfTheSceneBelongsToItsHolder) {
   struct Scene final : Receiver {
     explicit Scene(Receiver& receiver) : to(receiver) {}
     void OnFrames(int source, std::span<const SourceFrame> frames, bool more) override {
@@ -335,7 +335,7 @@ class Staged final : Receiver {
 };
 
 // Through each rig's own bytes, units and axes, to metres and +Y up.
-TEST(Props, OfEveryRigArriveWhereItsStandInPutThem) {
+TEST(Props, PropsOfEveryRigArriveAtTheirPlaces) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> rigs{
       {"mvn", {}},         {"mvn", {"euler"}}, {"mvn", {"split"}},   {"rokoko", {}},
       {"rokoko", {"lz4"}}, {"natnet", {}},     {"natnet", {"z-up"}}, {"natnet", {"local"}},
@@ -597,7 +597,7 @@ TEST_F(PropsOfAClip, AnObjectThatNoHandHoldsStaysThoughItIsNearOne) {
   }
 }
 
-TEST_F(PropsOfAClip, ARecordingOfThemPlaysTheSame) {
+TEST_F(PropsOfAClip, ARecordingWithPropsPlaysTheSame) {
   const Take take = Play({"sword=right_hand", "chair=20,0,20"});
   const std::string file = folder_ / "take.styrec";
   {

@@ -38,7 +38,7 @@ class NoPublisher final : public publish::Publisher {
 };
 
 // Each is found whatever was looked for before, since the search begins behind the last one found.
-TEST(RosterFindTest, EverybodyIsFoundInAnyOrderAndNobodyElse) {
+TEST(RosterFindTest, AllPerformersAreFoundInAnyOrderAndNoOthers) {
   auto config = std::make_shared<RuntimeConfig>();
   config->network = erd::RandomStylizer(2, 1);
   runtime::Counters counters;
@@ -169,7 +169,7 @@ class RosterTest : public testing::Test {
   std::unique_ptr<Pipeline> pipeline_;
 };
 
-TEST_F(RosterTest, WhoComesToAFullTableTakesThePlaceOfWhoWasOnlyNamedLongestAgo) {
+TEST_F(RosterTest, AnArrivingPerformerReplacesTheOldestNamedOneInAFullTable) {
   for (const char* const name : {"g0", "g1", "g2", "g3", "g4", "g5", "g6", "g7"}) {
     ASSERT_EQ(Set(std::string("rig.") + name).code(), v1::CODE_OK);
   }
@@ -188,7 +188,7 @@ TEST_F(RosterTest, WhoComesToAFullTableTakesThePlaceOfWhoWasOnlyNamedLongestAgo)
   EXPECT_EQ(Known().size(), 8U);
 }
 
-TEST_F(RosterTest, ANamedOneWhoComesKeepsWhatWasPrepared) {
+TEST_F(RosterTest, ANamedPerformerWhoArrivesKeepsTheirSettings) {
   ASSERT_EQ(Set("rig.anna", "style2").code(), v1::CODE_OK);
   for (int i = 0; i < 7; ++i) ASSERT_EQ(Set("rig.g" + std::to_string(i)).code(), v1::CODE_OK);
   Come("anna");
@@ -196,7 +196,7 @@ TEST_F(RosterTest, ANamedOneWhoComesKeepsWhatWasPrepared) {
   EXPECT_EQ(Count(Counter::kPipelineNamesReplaced), 0U);
 }
 
-TEST_F(RosterTest, NamesThatSurvivedARestartGiveWayToo) {
+TEST_F(RosterTest, NamesThatSurvivedARestartAreReplaced) {
   for (int i = 0; i < 8; ++i) ASSERT_EQ(Set("rig.g" + std::to_string(i)).code(), v1::CODE_OK);
   Restart();
   ASSERT_EQ(Known().size(), 8U);
@@ -208,7 +208,7 @@ TEST_F(RosterTest, NamesThatSurvivedARestartGiveWayToo) {
   EXPECT_EQ(Count(Counter::kPipelineNamesReplaced), 2U);
 }
 
-TEST_F(RosterTest, OfThoseWhoCameOnlyTheLongestAbsentGivesWayAndNobodyWhoIsPinned) {
+TEST_F(RosterTest, TheLongestAbsentPerformerIsReplacedAndNoPinnedOne) {
   for (int i = 0; i < 8; ++i) {
     const std::string name = "p" + std::to_string(i);
     Come(name);
@@ -227,7 +227,7 @@ TEST_F(RosterTest, OfThoseWhoCameOnlyTheLongestAbsentGivesWayAndNobodyWhoIsPinne
   EXPECT_EQ(Known().size(), 8U);
 }
 
-TEST_F(RosterTest, ABodyWithoutFramesIsNobodyWhoCame) {
+TEST_F(RosterTest, ABodyWithoutFramesDoesNotCountAsPresence) {
   ASSERT_EQ(Set("rig.ghost").code(), v1::CODE_OK);
   support::Rig ghost("ghost");
   Send(ghost, false);
@@ -236,7 +236,7 @@ TEST_F(RosterTest, ABodyWithoutFramesIsNobodyWhoCame) {
   EXPECT_FALSE(Knows("rig.ghost"));
 }
 
-TEST_F(RosterTest, NamesThatNeverCameEndAfterAWeek) {
+TEST_F(RosterTest, NamesThatNeverArriveExpireAfterAWeek) {
   ASSERT_EQ(Set("rig.ghost").code(), v1::CODE_OK);
   ASSERT_EQ(Set("rig.anna").code(), v1::CODE_OK);
   Come("anna");
@@ -254,7 +254,7 @@ TEST_F(RosterTest, NamesThatNeverCameEndAfterAWeek) {
   EXPECT_TRUE(Knows("rig.anna"));
 }
 
-TEST_F(RosterTest, HoursCountOverRestartsSoThatNoNameLivesForEver) {
+TEST_F(RosterTest, HoursCountAcrossRestarts) {
   ASSERT_EQ(Set("rig.ghost").code(), v1::CODE_OK);
   for (int day = 0; day < 6; ++day) {
     Pass(24);
@@ -283,7 +283,7 @@ TEST_F(RosterTest, APreparedShowSurvivesADayAndARestart) {
   EXPECT_EQ(Known()["rig.anna"], "style3");
 }
 
-TEST_F(RosterTest, WhoIsOnTheFloorWhenTheDaemonStopsHasCome) {
+TEST_F(RosterTest, APerformerPresentAtTheEndCountsAsPresent) {
   ASSERT_EQ(Set("rig.anna").code(), v1::CODE_OK);
   Restart();
   support::Rig anna("anna");
@@ -293,7 +293,7 @@ TEST_F(RosterTest, WhoIsOnTheFloorWhenTheDaemonStopsHasCome) {
   EXPECT_TRUE(Knows("rig.anna"));
 }
 
-TEST_F(RosterTest, TheWeekBeginsAnewWithASettingByNameAndNotByAll) {
+TEST_F(RosterTest, TheWeekRestartsWithASettingByNameAndNotByAll) {
   ASSERT_EQ(Set("rig.a").code(), v1::CODE_OK);
   ASSERT_EQ(Set("rig.b").code(), v1::CODE_OK);
   Pass(100);
@@ -307,7 +307,7 @@ TEST_F(RosterTest, TheWeekBeginsAnewWithASettingByNameAndNotByAll) {
 // Performers are named, pinned and arrive in any order: a newcomer is admitted as long as fewer
 // than two others are on the floor and the table is not full of pinned performers who have been
 // there.
-TEST_F(RosterTest, WhateverIsNamedWhoComesIsIn) {
+TEST_F(RosterTest, AnArrivingPerformerIsAdmittedWhateverIsNamed) {
   std::mt19937 random(3);
   std::set<std::string> pinned;
   for (int step = 0; step < 1500; ++step) {
@@ -339,7 +339,7 @@ TEST_F(RosterTest, WhateverIsNamedWhoComesIsIn) {
   EXPECT_GT(Count(Counter::kPipelineNamesReplaced), 50U);
 }
 
-TEST_F(RosterTest, RepliesSayNumbersAsPeopleWriteThemAndAreUtf8) {
+TEST_F(RosterTest, RepliesContainReadableNumbersAndAreUtf8) {
   v1::Request request;
   request.set_performer("rig.a");
   request.mutable_set()->set_strength(2);
@@ -374,7 +374,7 @@ TEST_F(RosterTest, TheStateFileIsForTheGroupAtMost) {
   EXPECT_EQ(about.st_mode & 0007U, 0U);
 }
 
-TEST_F(RosterTest, AStateFileSaysNothingThatNoRequestCould) {
+TEST_F(RosterTest, AStateFileCanSetNothingThatARequestCannot) {
   const auto read = ParseProfiles(
       "['rig.a']\nstrength = nan\ntransition_s = 1e30\nabsent_hours = -5\n"
       "mix = [ { style = 'S1', weight = inf }, {}, {}, {}, {}, {}, {} ]\n"

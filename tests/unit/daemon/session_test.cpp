@@ -20,7 +20,7 @@ TEST(SessionTest, FirstDatagramStartsASessionAndCountsNothingLost) {
   EXPECT_EQ(session.lost(), 0U);
 }
 
-TEST(SessionTest, SequenceTellsDuplicatesReorderedAndLostApart) {
+TEST(SessionTest, SequencesDistinguishDuplicatesReorderingAndLoss) {
   Session session;
   EXPECT_EQ(session.Admit(kSender, 1, 10, 0, kRules), Arrival::kNewSession);
   EXPECT_EQ(session.Admit(kSender, 1, 10, 1, kRules), Arrival::kDuplicate);
@@ -47,7 +47,7 @@ TEST(SessionTest, ASecondSenderWaitsForTheFirstToBeSilent) {
   EXPECT_EQ(session.lost(), 0U);
 }
 
-TEST(SessionTest, TheSameSenderBeginsAnewAtOnce) {
+TEST(SessionTest, TheSameSenderRestartsAtOnce) {
   Session session;
   EXPECT_EQ(session.Admit(kSender, 7, 0, 0, kRules), Arrival::kNewSession);
   EXPECT_EQ(session.Admit(kSender, 7 + kSessionStep, 0, 1 * kMs, kRules), Arrival::kNewSession);
@@ -92,7 +92,7 @@ TEST(SessionTest, AnotherCountIsAcceptedAfterASilenceAndAFewInARow) {
   }
 }
 
-TEST(SessionTest, ALateEchoAfterASilenceIsNoNewCount) {
+TEST(SessionTest, ALateEchoAfterASilenceDoesNotStartANewCount) {
   Session session;
   for (std::uint64_t i = 0; i < 100; ++i) (void)session.Admit(kSender, 1, i, 0, kRules);
   for (int i = 0; i < 50; ++i) {
@@ -113,7 +113,7 @@ TEST(SessionTest, LossesInASilenceAreAtMostTheFramesEverSent) {
 }
 
 // A counter of another habit, 1000 a datagram, is accepted; what it claims to have lost is not.
-TEST(SessionTest, LostIsNeverMoreThanTheRateMakesOfTheTime) {
+TEST(SessionTest, LossIsLimitedByRateAndTime) {
   Session session;
   std::int64_t now_ns = 0;
   for (std::uint64_t i = 0; i < 600; ++i) {
@@ -123,7 +123,7 @@ TEST(SessionTest, LostIsNeverMoreThanTheRateMakesOfTheTime) {
   EXPECT_LE(session.lost(), Session::kFarAhead + 4 * 600 + 100) << "of 600,000 claimed";
 }
 
-TEST(SessionTest, ASlowSenderIsNotTakenOverBetweenTwoOfItsDatagrams) {
+TEST(SessionTest, ASlowSenderIsNotReplacedBetweenTwoDatagrams) {
   Session session;
   std::int64_t now_ns = 0;
   for (std::uint64_t i = 0; i < 30; ++i) {
@@ -159,7 +159,7 @@ TEST(SessionTest, TimeNeverOverflows) {
   EXPECT_EQ(jumps, 2);
 }
 
-TEST(SessionTest, SourceTimeMustGrowAndAJumpStartsAnew) {
+TEST(SessionTest, SourceTimeMustIncreaseAndAJumpRestartsTheSession) {
   Session session;
   (void)session.Admit(kSender, 1, 0, 0, kRules);
   EXPECT_EQ(session.AdmitTime(5'000 * kMs, kRules), Time::kNext);
@@ -175,7 +175,7 @@ TEST(SessionTest, SourceTimeMustGrowAndAJumpStartsAnew) {
   EXPECT_EQ(session.AdmitTime(3'600'000ULL * kMs, kRules), Time::kNext);
 }
 
-TEST(ScheduleTest, LatenessIsAgainstTheShortestWayOfLate) {
+TEST(ScheduleTest, LatenessIsRelativeToTheShortestRecentDelay) {
   runtime::Schedule schedule;
   EXPECT_EQ(schedule.Lateness_ns(0, 50 * kMs), 0);
   EXPECT_EQ(schedule.Lateness_ns(8 * kMs, 58 * kMs), 0);
@@ -184,7 +184,7 @@ TEST(ScheduleTest, LatenessIsAgainstTheShortestWayOfLate) {
   EXPECT_EQ(schedule.Lateness_ns(32 * kMs, 82 * kMs), 4 * kMs);
 }
 
-TEST(ScheduleTest, ALongerWayThatStaysBecomesTheSchedule) {
+TEST(ScheduleTest, ALastingLongerDelayBecomesTheSchedule) {
   runtime::Schedule schedule;
   std::int64_t lateness = 0;
   for (std::int64_t t = 0; t < 10'000; t += 8) {

@@ -57,7 +57,7 @@ TEST(PoseSmoothing, UntrackedJointsStayAndSpoilNothing) {
 
 // Noise of half a degree on a joint at rest: at 120 Hz a low-pass of 2 Hz leaves 0.22 of it; the
 // noise's own speed opens it a little.
-TEST(PoseSmoothing, AtRestJitterIsTakenAway) {
+TEST(PoseSmoothing, JitterAtRestIsRemoved) {
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0, 0.5F * kDegree);
   PoseSmoothing filter = Filter(2, 0.7F);
@@ -105,7 +105,7 @@ TEST(PoseSmoothing, APositionIsFilteredInMetres) {
   }
 }
 
-TEST(PoseSmoothing, AGapAStepBackAndARestartBeginAnew) {
+TEST(PoseSmoothing, AGapAStepBackAndARestartRestartTheFilter) {
   for (const std::int64_t later : {PoseSmoothing::kGap_ns + 1, std::int64_t{-1}, std::int64_t{0}}) {
     PoseSmoothing filter = Filter(1);
     rig::RigPose pose = OneJoint(About(0));

@@ -29,7 +29,7 @@ TEST(SubscriptionsTest, APrefixWantsEveryTopicItBegins) {
   EXPECT_EQ(counters.Get(Counter::kPublishSubscriptions), 1U);
 }
 
-TEST(SubscriptionsTest, OnlyWhoNamesBundlesAsksForThem) {
+TEST(SubscriptionsTest, OnlyAPrefixOfBundlesRequestsThem) {
   runtime::Counters counters;
   Subscriptions subscriptions(10, counters);
   const Topic& rig = subscriptions.bundle(Subscriptions::kRigBundle);

@@ -213,7 +213,7 @@ TEST_F(TcpTest, OneConnectionIsEnoughForARigThatLostItsLastOne) {
 }
 
 // More is waiting than one call takes: who is closed by one event may be named by another.
-TEST_F(TcpTest, ConnectionsThatEndWhileTheirBytesWaitHurtNobody) {
+TEST_F(TcpTest, ConnectionsThatEndWithUnreadBytesHaveNoEffect) {
   Start(8);
   for (int i = 0; i < 8; ++i) Connect();
   for (const auto& client : clients_) client->Send(Record());
@@ -236,7 +236,7 @@ TEST_F(TcpTest, WaitingDataOfADelayedDaemonIsReadBeforeAConnectionIsClosed) {
 }
 
 // Ten connections bring thousands of records at once; the other sources have their turn between.
-TEST_F(TcpTest, ACycleTakesABoundedShareOfWhatWaits) {
+TEST_F(TcpTest, ACycleReadsABoundedShareOfTheWaitingBytes) {
   Start();
   for (int i = 0; i < 10; ++i) (void)Connect();
   Bytes many;

@@ -49,7 +49,7 @@ TEST(PrintableTest, ControlCharactersAreWrittenOut) {
   EXPECT_EQ(Printable("\xE2\x80\xA8", 100), "\\u2028");
 }
 
-TEST(PrintableTest, BytesThatAreNoUtf8AreReplaced) {
+TEST(PrintableTest, InvalidUtf8IsReplaced) {
   const std::string replacement = "\xEF\xBF\xBD";
   for (const char* const text : {"\xFF", "\x80", "\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80",
                                  "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xE5\xA7"}) {

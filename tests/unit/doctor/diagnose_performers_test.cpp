@@ -84,7 +84,7 @@ TEST_F(PerformersTest, ALeadersStateOfItsPairIsAWarning) {
   standby.add_differs("model.feet: true here, false there");
   standby.set_too_large("style \"x\": 20000000 bytes");
   standby.set_refused(3);
-  standby.set_refused_why("it is no entry of a journal");
+  standby.set_refused_why("it is not an entry of a journal");
   ASSERT_EQ(Of("standby_differs").size(), 1U);
   EXPECT_NE(Of("standby_differs")[0].what.find("model.feet"), std::string::npos);
   ASSERT_EQ(Of("standby_too_large").size(), 1U);

@@ -40,7 +40,7 @@ class TakeTest : public ::testing::Test {
   Take ReadGood(What what = What::kSource) {
     auto take = Read(what);
     EXPECT_TRUE(take.ok()) << take.status().message();
-    return take.ok() ? take.value() : Take();
+    return take.ok() ? take.value() : Take{};
   }
   static std::vector<float> Heights(const std::vector<rig::RigPose>& frames) {
     std::vector<float> heights;

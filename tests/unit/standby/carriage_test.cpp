@@ -44,7 +44,7 @@ class CarriageTest : public PairTest {
   }
 };
 
-TEST_F(CarriageTest, AStandbyThatComesLaterHasWhatWasLearned) {
+TEST_F(CarriageTest, ALateStandbyHasTheLearnedNeutral) {
   Begin();
   Wear(*a_, "style1", 0);
   Frames(200);
@@ -57,7 +57,7 @@ TEST_F(CarriageTest, AStandbyThatComesLaterHasWhatWasLearned) {
   EXPECT_EQ(b_->State().different(), 0U);
 }
 
-TEST_F(CarriageTest, ACalibrationUnderWayEndsAtTheStandbyThatTookOver) {
+TEST_F(CarriageTest, ARunningCalibrationEndsAtTheStandbyThatTookOver) {
   Alone witness(*this);
   Node& alone = witness.node;
   const auto send = [&](const Bytes& datagram) { witness.Send(datagram); };
@@ -87,7 +87,7 @@ TEST_F(CarriageTest, ACalibrationUnderWayEndsAtTheStandbyThatTookOver) {
 }
 
 // The control of the others: who forgets what was learned moves otherwise.
-TEST_F(CarriageTest, WhatWasLearnedShowsInThePoses) {
+TEST_F(CarriageTest, TheLearnedNeutralAffectsThePoses) {
   Begin();
   Wear(*a_, "style1", 0);
   Frames(200);

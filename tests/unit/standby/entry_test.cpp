@@ -42,7 +42,7 @@ body::Pose Turned(body::Pose pose, std::size_t joint, double degrees) {
   return pose;
 }
 
-TEST(RoundedPoseTest, APoseIsNotApartFromItselfNorFromItsLastBits) {
+TEST(RoundedPoseTest, APoseEqualsItselfAndItsRoundingDifferences) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     const body::Pose pose = PoseOf(seed);
     body::Pose near = pose;
@@ -55,7 +55,7 @@ TEST(RoundedPoseTest, APoseIsNotApartFromItselfNorFromItsLastBits) {
   }
 }
 
-TEST(RoundedPoseTest, AnyJointBeyondTheAngleIsApartAndNoneBelowIt) {
+TEST(RoundedPoseTest, AJointIsApartBeyondTheAngleAndNotBelowIt) {
   for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
     const body::Pose pose = PoseOf(static_cast<unsigned>(joint) + 1);
     EXPECT_FALSE(AreApart(Rounded(pose), Rounded(Turned(pose, joint, 0.08)))) << joint;
@@ -64,14 +64,14 @@ TEST(RoundedPoseTest, AnyJointBeyondTheAngleIsApartAndNoneBelowIt) {
   }
 }
 
-TEST(RoundedPoseTest, TheSameRotationOfTheOtherSignIsNotApart) {
+TEST(RoundedPoseTest, ANegatedQuaternionIsTheSameRotation) {
   const body::Pose pose = PoseOf(1);
   body::Pose other = pose;
   for (auto& rotation : other.rotations) rotation.coeffs() *= -1;
   EXPECT_FALSE(AreApart(Rounded(pose), Rounded(other)));
 }
 
-TEST(RoundedPoseTest, HipsElsewhereAreApart) {
+TEST(RoundedPoseTest, MovedHipsAreApart) {
   body::Pose pose = PoseOf(1), near = pose, far = pose;
   near.hips_position_m.x() += 0.0018F;
   far.hips_position_m.z() += 0.0022F;
@@ -79,7 +79,7 @@ TEST(RoundedPoseTest, HipsElsewhereAreApart) {
   EXPECT_TRUE(AreApart(Rounded(pose), Rounded(far)));
 }
 
-TEST(RoundedPoseTest, NumbersThatNoPoseHasAreRoundedToo) {
+TEST(RoundedPoseTest, InvalidNumbersAreRounded) {
   body::Pose pose = PoseOf(1);
   pose.hips_position_m = {std::numeric_limits<float>::quiet_NaN(), 1e30F, -1e30F};
   pose.rotations[3].coeffs().setConstant(std::numeric_limits<float>::infinity());
@@ -90,7 +90,7 @@ TEST(RoundedPoseTest, NumbersThatNoPoseHasAreRoundedToo) {
   EXPECT_TRUE(AreApart(RoundedPose(), RoundedPose())) << "no rotation at all";
 }
 
-TEST(CompareTest, TheFateTheBitsAndThenThePoseDecide) {
+TEST(CompareTest, FatesThenBitsThenPosesAreCompared) {
   const RoundedPose pose = Rounded(PoseOf(1)), other = Rounded(PoseOf(2));
   const auto bytes = [](const RoundedPose& of) { return std::as_bytes(std::span(&of, 1)); };
   const FrameInTransit here = Styled(0x11, bytes(pose));
@@ -109,7 +109,7 @@ TEST(CompareTest, TheFateTheBitsAndThenThePoseDecide) {
   EXPECT_EQ(Compare(here, there), Comparison::kApart);
 }
 
-TEST(EntryTest, TheRoundedPoseIsInTheJournal) {
+TEST(EntryTest, TheJournalContainsTheRoundedPose) {
   const RoundedPose pose = Rounded(PoseOf(1));
   source::SourceFrame frame, read;
   frame.performer = "a";

@@ -35,7 +35,7 @@ TEST_F(FollowingTest, TheStandbyStylesEveryFrameAsTheLeaderDoesAndPublishesNone)
 }
 
 // Without the comparison of poses, a standby that styles nothing would pass.
-TEST_F(FollowingTest, AStateThatDiffersIsCounted) {
+TEST_F(FollowingTest, ADifferentStateIsCounted) {
   auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
   other->network = erd::RandomStylizer(5, 4);
   StartB();
@@ -62,7 +62,7 @@ TEST_F(FollowingTest, AStandbyThatStartsLateHasTheCheckpointAndStylesTheSame) {
   EXPECT_EQ(state.different(), 0U);
 }
 
-TEST_F(FollowingTest, WhenTheLeaderIsKilledNoFrameIsLostAndNoneIsAnother) {
+TEST_F(FollowingTest, AKilledLeaderLosesNoFrameAndChangesNone) {
   Alone witness(*this);
   Node& alone = witness.node;
   const auto send = [&](const Bytes& datagram) { witness.Send(datagram); };
@@ -93,7 +93,7 @@ TEST_F(FollowingTest, WhenTheLeaderIsKilledNoFrameIsLostAndNoneIsAnother) {
   }
 }
 
-// What the leader had published last may have died in its queues.
+// The leader's last messages may have been lost in its queues.
 TEST_F(FollowingTest, TheLastFramesOfTheLeaderAreSentAgain) {
   StartB();
   Begin();
@@ -106,7 +106,7 @@ TEST_F(FollowingTest, TheLastFramesOfTheLeaderAreSentAgain) {
   EXPECT_EQ(b_->publisher.frames.back().flags() & v1::FLAG_STALE, v1::FLAG_STALE);
 }
 
-TEST_F(FollowingTest, FramesThatTheStandbyAloneHasHeardAreStyledAfterTheEnd) {
+TEST_F(FollowingTest, FramesThatOnlyTheStandbyReceivedAreStyledAfterATakeover) {
   StartB();
   Begin();
   Frames(50);
@@ -118,7 +118,7 @@ TEST_F(FollowingTest, FramesThatTheStandbyAloneHasHeardAreStyledAfterTheEnd) {
   for (std::uint64_t i = 51; i <= 56; ++i) EXPECT_TRUE(sequences.contains(i)) << i;
 }
 
-TEST_F(FollowingTest, AStandbyWithoutInputFollowsAllTheSameAndSaysWhomItLacks) {
+TEST_F(FollowingTest, AStandbyWithoutInputFollowsAndNamesTheMissingPerformers) {
   StartB();
   Send(rig_.Body(), true, false);
   for (int i = 0; i < 60; ++i) {
@@ -158,7 +158,7 @@ TEST_F(FollowingTest, AfterLostEntriesTheStateIsFetchedAgain) {
   EXPECT_EQ(b_->State().different(), different);
 }
 
-TEST_F(FollowingTest, AStandbyTakesNoOrdersButShowsWhatItHas) {
+TEST_F(FollowingTest, AStandbyRefusesChangesAndAnswersQueries) {
   StartB();
   Begin();
   Frames(10);
@@ -177,7 +177,7 @@ TEST_F(FollowingTest, AStandbyTakesNoOrdersButShowsWhatItHas) {
   EXPECT_EQ(b_->Ask(take).code(), v1::CODE_OK);
 }
 
-TEST_F(FollowingTest, LeadGivesTheLeadWithoutAGap) {
+TEST_F(FollowingTest, LeadTransfersTheLeadWithoutAGap) {
   StartB();
   Begin();
   Wear(*a_, "style1", 0);
@@ -199,7 +199,7 @@ TEST_F(FollowingTest, LeadGivesTheLeadWithoutAGap) {
   EXPECT_EQ(a_->publisher.frames.back().epoch(), 5U);
 }
 
-TEST_F(FollowingTest, ALeaderThatStoodStillGivesWayAndFollows) {
+TEST_F(FollowingTest, ALeaderThatWasInterruptedYieldsAndFollows) {
   StartB();
   Begin();
   Frames(50);
@@ -246,7 +246,7 @@ TEST_F(FollowingTest, APartitionHealsAndOneLeads) {
   EXPECT_EQ(Seen().size(), 150U);
 }
 
-TEST_F(FollowingTest, WhoFallsSilentIsStaleAndForgottenAtBoth) {
+TEST_F(FollowingTest, ASilentPerformerIsStaleAndForgottenAtBothDaemons) {
   StartB();
   Begin();
   Frames(20);
@@ -269,11 +269,11 @@ TEST_F(FollowingTest, WhoFallsSilentIsStaleAndForgottenAtBoth) {
 }
 
 // Of performers who are away the standby knows the numbers, too: subscribers drop old ones.
-TEST_F(FollowingTest, WhoComesBackAfterATakeoverGoesOnWithLaterNumbers) {
+TEST_F(FollowingTest, AReturningPerformerContinuesWithLaterNumbersAfterATakeover) {
   Begin();
   Wear(*a_, "style1", 0);
   Frames(90);
-  for (int i = 0; i < 700; ++i) {  // away for so long that the leader forgets them
+  for (int i = 0; i < 700; ++i) {  // longer than the leader keeps silent performers
     a_->clock.now_ns += 100'000'000;
     Turn(1);
   }
@@ -290,7 +290,7 @@ TEST_F(FollowingTest, WhoComesBackAfterATakeoverGoesOnWithLaterNumbers) {
   EXPECT_EQ(b_->publisher.frames.front().styles(0).style(), "style1");
 }
 
-TEST_F(FollowingTest, NobodyWhoHasLeftComesBackWithATakeover) {
+TEST_F(FollowingTest, APerformerWhoHasLeftDoesNotReturnWithATakeover) {
   StartB();
   Begin();
   Frames(20);
@@ -306,7 +306,7 @@ TEST_F(FollowingTest, NobodyWhoHasLeftComesBackWithATakeover) {
 }
 
 // Orders that the old leader has acknowledged are in its journal, and come first.
-TEST_F(FollowingTest, LeadTakesOverAfterTheLastOrderOfTheOldLeader) {
+TEST_F(FollowingTest, LeadTakesOverAfterTheLastRequestOfTheOldLeader) {
   StartB();
   Begin();
   Frames(20);
@@ -323,9 +323,8 @@ TEST_F(FollowingTest, LeadTakesOverAfterTheLastOrderOfTheOldLeader) {
   EXPECT_EQ(Seen().size(), 40U);
 }
 
-// What the leader says decides nothing that this daemon would not accept of a rig; and it cannot
-// end it.
-TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
+// The leader's data must pass the same checks as a rig's, and cannot end this daemon.
+TEST_F(FollowingTest, AnInvalidJournalHasNoEffect) {
   StartB();
   Begin();
   Frames(20);
@@ -378,7 +377,7 @@ TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
   say([](v1::Journal& e) { e.set_daemon(9); });
   wire_.to_b.emplace_back("no message at all");
   Turn(10);
-  Frames(300);  // it asks for everything anew
+  Frames(300);  // it requests the whole state again
   for (int i = 0; i < 11; ++i) {
     for (int k = 0; k < 100; ++k) Turn(10);
   }
@@ -392,7 +391,7 @@ TEST_F(FollowingTest, AJournalOfNonsenseHarmsNobody) {
 }
 
 // A rig whose protocol has no numbers: each daemon counts on its own.
-TEST_F(FollowingTest, ARigThatEachDaemonNumbersOnItsOwnGoesOnWithoutALossOrANewSession) {
+TEST_F(FollowingTest, ARigNumberedByEachDaemonContinuesWithoutALossOrANewSession) {
   StartB();
   Rig other("a", 1234);
   other.sequence = 40'000;

@@ -1,5 +1,5 @@
-// What a standby keeps of its rigs' data, and where a performer's own frames continue behind the
-// leader's last one.
+// The buffer of a standby for its rigs' data, and the position from which a performer's own frames
+// follow the leader's last one.
 #include "daemon/standby/input_buffer.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST_F(InputBufferTest, FramesAreFoundByTheirNumbers) {
   EXPECT_EQ(place.after, 5U);
 }
 
-TEST_F(InputBufferTest, ALastFrameThatNeverReachedTheStandbyLeavesThoseBehindIt) {
+TEST_F(InputBufferTest, FramesBehindALastFrameThatIsMissingAreFound) {
   for (const std::uint64_t sequence : {100U, 101U, 103U, 104U}) Add(0, 7, sequence, 1);
   const auto place = held.Find(kSources, "suit.a", Last(7, 102, 1, 0));
   EXPECT_EQ(place.same, nullptr);
@@ -60,7 +60,7 @@ TEST_F(InputBufferTest, ALastFrameThatNeverReachedTheStandbyLeavesThoseBehindIt)
   EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 200, 1, 0)).after, 4U);
 }
 
-TEST_F(InputBufferTest, WithOtherNumbersTheyAreFoundByThePose) {
+TEST_F(InputBufferTest, FramesWithOtherNumbersAreFoundByTheirPose) {
   for (int i = 0; i < 10; ++i) {
     Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
   }
@@ -70,19 +70,19 @@ TEST_F(InputBufferTest, WithOtherNumbersTheyAreFoundByThePose) {
   EXPECT_EQ(place.after, 7U);
 }
 
-TEST_F(InputBufferTest, OfAPerformerWhoStandsStillTheNearestInTimeCounts) {
+TEST_F(InputBufferTest, TheNearestFrameCountsWhileAPerformerStandsStill) {
   for (int i = 0; i < 10; ++i) Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), 1);
   EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 1, 33 * kMilli)).after, 5U);
 }
 
-TEST_F(InputBufferTest, APoseThatIsNotThereIsPlacedByItsTime) {
+TEST_F(InputBufferTest, AMissingPoseIsPlacedByItsTime) {
   for (int i = 0; i < 10; ++i) {
     Add(i * 8 * kMilli, 9, 500 + static_cast<std::uint64_t>(i), static_cast<float>(i));
   }
   EXPECT_EQ(held.Find(kSources, "suit.a", Last(7, 3, 77, 41 * kMilli)).after, 6U);
 }
 
-TEST_F(InputBufferTest, NobodyElsesFramesCount) {
+TEST_F(InputBufferTest, FramesOfOtherPerformersDoNotCount) {
   Add(0, 7, 1, 1, 0, "ab");
   Add(0, 7, 2, 1, 1, "a");
   Add(0, 7, 3, 1, 0, "a");
@@ -93,7 +93,7 @@ TEST_F(InputBufferTest, NobodyElsesFramesCount) {
   EXPECT_EQ(held.LastOf(kSources, "stage.b"), std::numeric_limits<std::int64_t>::min());
 }
 
-TEST_F(InputBufferTest, ItKeepsASecondAndNoMoreThanItsBound) {
+TEST_F(InputBufferTest, TheBufferKeepsASecondWithinItsBound) {
   for (int i = 0; i < 300; ++i) Add(i * 8 * kMilli, 7, static_cast<std::uint64_t>(i), 1);
   EXPECT_LE(held.frames().size(), 127U);
   EXPECT_EQ(held.frames().back()->frame.sequence, 299U);

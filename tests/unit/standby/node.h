@@ -10,21 +10,21 @@
 #include "daemon/standby/standby.h"
 #include "tests/support/fake_pipeline.h"
 
-// Two daemons that stand in for each other, without sockets, threads and sleeps.
+// A pair of daemons, each of which can take over, without sockets, threads and sleeps.
 namespace styled::support {
 
 // A wire between two nodes that a test can cut. Messages in the cut are lost, as in ZeroMQ's queue.
 struct Wire {
   std::deque<std::string> to_a, to_b;
   bool a_asked = false, b_asked = false;
-  int a_subscriptions = 0;  // of somebody else, at a
+  int a_subscriptions = 0;  // of other programs, at a
   bool cut = false;
-  // The reader cuts the wire when a larger message comes, as libzmq does.
+  // As libzmq does, the reader cuts the wire when a larger message arrives.
   std::size_t max_bytes = standby::kMaxMessageBytes;
-  int lose = 0;                                 // so many messages
-  std::function<void(const std::string&)> spy;  // on what goes to b
+  int lose = 0;                                 // number of messages to lose
+  std::function<void(const std::string&)> spy;  // sees messages to b
   std::function<void(const std::string&)> spy_on_b;
-  std::function<void(v1::Journal&)> change;  // what goes to b
+  std::function<void(v1::Journal&)> change;  // changes messages to b
 };
 
 class WireEnd final : public standby::Channel {

@@ -29,7 +29,7 @@ class PairTest : public testing::Test {
  protected:
   PairTest() { Turn(1200, false); }
 
-  // Lets both work for so many ms, in steps of 1 ms.
+  // Runs both for `ms` milliseconds, in steps of 1 ms.
   void Turn(int ms, bool leader = true) {
     for (int i = 0; i < ms; ++i) {
       for (Node* const node : {a_.get(), b_.get()}) {
@@ -75,7 +75,7 @@ class PairTest : public testing::Test {
       look.set_transition_ms(transition_ms);
     });
   }
-  // A third daemon, which gets everything and follows nobody: what would have been.
+  // A third daemon, which receives everything and follows no leader: the expected result.
   struct Alone {
     explicit Alone(PairTest& test)
         : pair(test), node(nowhere, true, 6, 5'000'000'000, test.config_, test.kTopics) {

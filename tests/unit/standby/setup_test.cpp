@@ -33,7 +33,7 @@ std::set<std::string> Between(const v1::Setup& a, const v1::Setup& b) {
   return names;
 }
 
-TEST(SetupTest, WhatChangesPosesOrDecisionsHasARowThatNamesIt) {
+TEST(SetupTest, EverySettingThatAffectsPosesOrDecisionsHasARow) {
   const Changes changes{
       {"weights", [](auto& c) { c.weights_crc = 2; }},
       {"model.feet", [](auto& c) { c.stylist.feet = false; }},
@@ -65,7 +65,7 @@ TEST(SetupTest, WhatChangesPosesOrDecisionsHasARowThatNamesIt) {
   }
 }
 
-TEST(SetupTest, ACueOrAnOutputOfOtherContentDiffers) {
+TEST(SetupTest, CuesAndOutputsAreComparedByContent) {
   RuntimeConfig one, other;
   one.cues.push_back({"one", 5, "*", v1::Request()});
   other.cues.push_back({"one", 6, "*", v1::Request()});
@@ -79,7 +79,7 @@ TEST(SetupTest, ACueOrAnOutputOfOtherContentDiffers) {
             (std::set<std::string>{"cue one", "output hero"}));
 }
 
-TEST(SetupTest, SourcesMayDifferInWhatIsEachMachinesOwn) {
+TEST(SetupTest, SourcesMayDifferInSettingsOfTheMachine) {
   const std::vector<config::Source> sources{{"suit", "udp", "127.0.0.1:7000"},
                                             {"suit", "tcp", "127.0.0.1:7000"}};
   const auto differs = [&sources](const std::function<void(config::Source&)>& change) {

@@ -17,7 +17,7 @@ namespace {
 
 class StateTest : public PairTest {
  protected:
-  // Weights whose styles can be made, with `count` made ones, of a source of so many bytes each.
+  // Weights whose styles can be made, with `count` made styles of `bytes` each.
   static std::shared_ptr<pipeline::RuntimeConfig> WithStyles(int count, std::size_t bytes) {
     auto config = MakeConfig();
     auto network = net::Parse(stgcn_causal::RandomWeights(5, 16, 3).Bytes(), "random");
@@ -45,7 +45,7 @@ class StateTest : public PairTest {
     files_b_.running = standbys;
     StartB(standbys);
   }
-  // What the files thread does at a node; one that is slow takes so many turns for a style.
+  // A node's files thread; a slow one takes several turns for a style.
   struct Files {
     std::shared_ptr<const pipeline::RuntimeConfig> running;
     pipeline::StyleRequests requests{};
@@ -130,7 +130,7 @@ class StateTest : public PairTest {
 };
 
 // The reader would cut the wire at a larger message, and both would lead for good.
-TEST_F(StateTest, StylesComeOneAMessage) {
+TEST_F(StateTest, EachStyleIsAMessage) {
   wire_.max_bytes = 20'000;
   Count(v1::Journal::kStyle);
   Begin(WithStyles(60, 200), WithStyles(0, 0));
@@ -148,7 +148,7 @@ TEST_F(StateTest, StylesComeOneAMessage) {
 
 // Made, shown, replaced while it is shown, renamed and removed: the standby changes at the leader's
 // frame, though its files thread needs longer, and is ready all the time.
-TEST_F(StateTest, StylesThatChangeAllTheTimeChangeAtTheLeadersFrame) {
+TEST_F(StateTest, FrequentStyleChangesTakeEffectAtTheLeadersFrame) {
   Begin(WithStyles(2, 10), WithStyles(2, 10));
   SuperviseB(200);
   Send(rig_.Body());
@@ -182,7 +182,7 @@ TEST_F(StateTest, StylesThatChangeAllTheTimeChangeAtTheLeadersFrame) {
 }
 
 // The files thread of the standby hangs: the frames go on there, and it says why it is not ready.
-TEST_F(StateTest, AStandbyWhoseFilesHangGoesOnWithoutTheStyle) {
+TEST_F(StateTest, AStandbyWithAHangingDiskContinuesWithoutTheStyle) {
   Begin(WithStyles(2, 10), WithStyles(2, 10));
   SuperviseB(200);
   Send(rig_.Body());
@@ -207,7 +207,7 @@ TEST_F(StateTest, AStandbyWhoseFilesHangGoesOnWithoutTheStyle) {
 }
 
 // The leader dies while the standby waits for a style: no frame is lost, the style comes later.
-TEST_F(StateTest, ALeaderThatDiesWhileAStyleIsMadeAtTheStandbyLosesNothing) {
+TEST_F(StateTest, NothingIsLostIfTheLeaderDiesWhileTheStandbyMakesAStyle) {
   Begin(WithStyles(2, 10), WithStyles(2, 10));
   SuperviseB(200);
   Send(rig_.Body());
@@ -230,7 +230,7 @@ TEST_F(StateTest, ALeaderThatDiesWhileAStyleIsMadeAtTheStandbyLosesNothing) {
 
 // Each time the style gets another place, and the performer fades over for a minute: out of places
 // that no style has any more.
-TEST_F(StateTest, AStandbyThatComesLaterFadesOutOfReplacedStylesAsTheLeaderDoes) {
+TEST_F(StateTest, ALateStandbyFadesOutOfReplacedStylesLikeTheLeader) {
   config_ = WithStyles(2, 10);
   a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics);
   Turn(1200);
@@ -252,7 +252,7 @@ TEST_F(StateTest, AStandbyThatComesLaterFadesOutOfReplacedStylesAsTheLeaderDoes)
   EXPECT_EQ(after.apart() - before.apart(), 0U);
 }
 
-// The other daemon leads by now, which has not got the style: nobody is told that it is made.
+// By now the other daemon leads and lacks the style, so no client gets a success reply.
 TEST_F(StateTest, AStyleThatIsMadeWhileTheLeadIsLostIsRefused) {
   Begin(WithStyles(2, 10), WithStyles(2, 10));
   SuperviseB(200);
@@ -278,7 +278,7 @@ TEST_F(StateTest, AStyleThatIsMadeWhileTheLeadIsLostIsRefused) {
               pipeline::PlacesOf(*files_a_.running).entries);
 }
 
-TEST_F(StateTest, AStyleThatNoMessageHoldsIsNamedInsteadAndOneLeads) {
+TEST_F(StateTest, AStyleTooLargeForAMessageIsNamedAndOneDaemonLeads) {
   wire_.max_bytes = 20'000;
   Begin(WithStyles(1, 30'000), WithStyles(0, 0));
   Send(rig_.Body());
@@ -295,7 +295,7 @@ TEST_F(StateTest, AStyleThatNoMessageHoldsIsNamedInsteadAndOneLeads) {
   })) << testing::PrintToString(lines);
 }
 
-TEST_F(StateTest, ARequestThatNoMessageHoldsIsNamedInstead) {
+TEST_F(StateTest, ARequestTooLargeForAMessageIsNamed) {
   StartB();
   PairTest::Begin();
   Frames(10);
@@ -313,7 +313,7 @@ TEST_F(StateTest, ARequestThatNoMessageHoldsIsNamedInstead) {
       << b_->State().why_not();
 }
 
-TEST_F(StateTest, SettingsComeInParts) {
+TEST_F(StateTest, SettingsAreSentInParts) {
   for (int i = 0; i < 200; ++i) {
     v1::Request request;
     request.set_performer("rig.p" + std::to_string(i));
@@ -340,7 +340,7 @@ TEST_F(StateTest, SettingsComeInParts) {
 }
 
 // Frames go on while the parts come, and a performer comes between them.
-TEST_F(StateTest, APerformerWhoComesWhileTheStateComesHasTheirSettings) {
+TEST_F(StateTest, APerformerWhoArrivesDuringTheTransferHasTheirSettings) {
   for (const char* const id : {"rig.a", "rig.b", "rig.c"}) {
     v1::Request request;
     request.set_performer(id);
@@ -356,9 +356,9 @@ TEST_F(StateTest, APerformerWhoComesWhileTheStateComesHasTheirSettings) {
   EXPECT_GT(b_->State().compared(), 10U);
 }
 
-// Whoever connects may ask; it costs the leader no more than once a second, and the standby
-// nothing.
-TEST_F(StateTest, HoweverOftenItIsAskedTheLeaderSendsItsStateOnceASecond) {
+// Any program may subscribe and request the state. That costs the leader at most one state a
+// second, and the standby nothing.
+TEST_F(StateTest, TheLeaderSendsItsStateOnceASecondHoweverOftenItIsRequested) {
   StartB();
   PairTest::Begin();
   Frames(125);
@@ -396,7 +396,7 @@ TEST_F(StateTest, AThousandSubscriptionsAtOnceTakeMoreThanOneTurn) {
 }
 
 // Settings: what decides poses differs, so that they would come out otherwise after a takeover.
-TEST_F(StateTest, AStandbyWhoseFeetDifferIsNotReadyAndBothSayWhy) {
+TEST_F(StateTest, AStandbyWithOtherFeetSettingsIsNotReadyAndBothReportIt) {
   auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
   other->stylist.feet = false;
   StartB(other);
@@ -415,7 +415,7 @@ TEST_F(StateTest, AStandbyWhoseFeetDifferIsNotReadyAndBothSayWhy) {
   v1::Request lead;
   lead.mutable_lead();
   EXPECT_EQ(b_->Ask(lead).code(), v1::CODE_NOT_READY);
-  a_.reset();  // alone it leads all the same, and goes on
+  a_.reset();  // alone it leads nevertheless, and continues
   Frames(60);
   EXPECT_EQ(b_->State().role(), "leading");
   EXPECT_EQ(b_->State().takeovers(), 0U);
@@ -423,12 +423,12 @@ TEST_F(StateTest, AStandbyWhoseFeetDifferIsNotReadyAndBothSayWhy) {
   EXPECT_EQ(b_->publisher.frames.back().epoch(), 5U);
   const auto lines = b_->Lines();
   EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
-    return line.find("leads, although it was not ready: it is set up otherwise") !=
+    return line.find("leads, although it was not ready: its configuration differs") !=
            std::string::npos;
   })) << testing::PrintToString(lines);
 }
 
-TEST_F(StateTest, WeightsOfAnotherPrecisionAreSeenBeforeAnyPerformer) {
+TEST_F(StateTest, WeightsOfAnotherPrecisionAreDetectedBeforeAnyPerformer) {
   auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
   other->weights_crc = 0x4321;
   StartB(other);
@@ -438,7 +438,7 @@ TEST_F(StateTest, WeightsOfAnotherPrecisionAreSeenBeforeAnyPerformer) {
       << b_->State().why_not();
 }
 
-TEST_F(StateTest, AReloadThatMakesThemTheSameMakesItReady) {
+TEST_F(StateTest, AReloadWithEqualSettingsMakesTheStandbyReady) {
   auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
   other->performers.stale_s = 1;
   StartB(other);
@@ -455,7 +455,7 @@ TEST_F(StateTest, AReloadThatMakesThemTheSameMakesItReady) {
 }
 
 // Poses: nothing that is compared beforehand differs, and yet they do.
-TEST_F(StateTest, PosesThatAreApartMakeItUnready) {
+TEST_F(StateTest, DifferentPosesMakeTheStandbyUnready) {
   auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
   other->network = erd::RandomStylizer(5, 4);
   StartB(other);
@@ -465,11 +465,12 @@ TEST_F(StateTest, PosesThatAreApartMakeItUnready) {
   const v1::StandbyState state = b_->State();
   EXPECT_GT(state.apart(), 20U);
   EXPECT_FALSE(state.ready());
-  EXPECT_NE(state.why_not().find("poses came out otherwise"), std::string::npos) << state.why_not();
+  EXPECT_NE(state.why_not().find("poses differ from the leader"), std::string::npos)
+      << state.why_not();
 }
 
 // As on a processor of another make.
-TEST_F(StateTest, PosesThatDifferInTheirLastBitsAreCountedAndItStaysReady) {
+TEST_F(StateTest, RoundingDifferencesAreCountedAndTheStandbyStaysReady) {
   wire_.change = [](v1::Journal& entry) {
     if (!entry.has_batch()) return;
     for (v1::Handled& frame : *entry.mutable_batch()->mutable_frames()) {
@@ -490,7 +491,7 @@ TEST_F(StateTest, PosesThatDifferInTheirLastBitsAreCountedAndItStaysReady) {
 }
 
 // The same in earnest: with the instructions of a lesser processor, which round otherwise.
-TEST_F(StateTest, WithOtherInstructionsThanTheLeadersItStaysReady) {
+TEST_F(StateTest, AStandbyWithOtherProcessorInstructionsStaysReady) {
   const auto targets = hwy::SupportedAndGeneratedTargets();
   if (targets.size() < 2) GTEST_SKIP() << "one kind of instructions only";
   const auto choose = [](std::int64_t target) {  // 0: as usual
@@ -510,7 +511,7 @@ TEST_F(StateTest, WithOtherInstructionsThanTheLeadersItStaysReady) {
   EXPECT_TRUE(state.ready()) << state.why_not();
 }
 
-TEST_F(StateTest, SixPosesOfSixHundredMayBeApartAndSevenNot) {
+TEST_F(StateTest, SixOfSixHundredPosesMayDifferAndSevenMayNot) {
   int apart = 6;
   wire_.change = [&apart](v1::Journal& entry) {
     if (!entry.has_batch() || apart == 0) return;
@@ -535,7 +536,7 @@ TEST_F(StateTest, SixPosesOfSixHundredMayBeApartAndSevenNot) {
 }
 
 // With another hold_ms, the leader's signs of life come more rarely than the standby's hold.
-TEST_F(StateTest, AnotherHoldIsSaidAndNobodyTakesOver) {
+TEST_F(StateTest, AnotherHoldIsReportedAndCausesNoTakeover) {
   config::Standby slow;
   slow.hold_s = 5;
   a_ = std::make_unique<Node>(wire_, true, 5, 1'000'000'000'000, config_, kTopics, false, slow);
@@ -549,7 +550,7 @@ TEST_F(StateTest, AnotherHoldIsSaidAndNobodyTakesOver) {
 }
 
 // The least and the most that the configuration allows are no impossible ones to the other daemon.
-TEST_F(StateTest, EveryHoldThatIsAllowedIsHeard) {
+TEST_F(StateTest, TheHeartbeatsOfEveryAllowedHoldAreHeard) {
   for (const float hold_s : {0.02F, 0.0333F, 1.7F, 5.0F}) {
     config::Standby settings;
     settings.hold_s = hold_s;

@@ -1,5 +1,4 @@
-// What comes from the peer's address and is not the other daemon: it decides nothing, whatever it
-// says, and is said.
+// Messages from the peer's address that are not the peer's have no effect and are logged.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +65,7 @@ class StrangersTest : public PairTest {
   }
 };
 
-TEST_F(StrangersTest, ALeaderGivesWayToNoneOfThem) {
+TEST_F(StrangersTest, ALeaderYieldsToNoStranger) {
   Begin();
   Frames(20);
   for (const std::string& message : AllBogus()) {
@@ -84,7 +83,7 @@ TEST_F(StrangersTest, ALeaderGivesWayToNoneOfThem) {
   EXPECT_EQ(a_->State().role(), "following");
 }
 
-TEST_F(StrangersTest, AStandbyStaysReadyWhateverComesBetweenTheLeadersMessages) {
+TEST_F(StrangersTest, AStandbyStaysReadyDespiteForeignMessages) {
   StartB();
   Begin();
   Frames(20);
@@ -103,7 +102,7 @@ TEST_F(StrangersTest, AStandbyStaysReadyWhateverComesBetweenTheLeadersMessages) 
 }
 
 // A leader's entry that cannot be repeated: the state is fetched again at once, not after 10 s.
-TEST_F(StrangersTest, AnEntryThatCannotBeRepeatedCostsASecond) {
+TEST_F(StrangersTest, AnEntryThatCannotBePerformedCostsASecond) {
   StartB();
   Begin();
   Frames(20);
@@ -124,7 +123,7 @@ TEST_F(StrangersTest, AnEntryThatCannotBeRepeatedCostsASecond) {
 }
 
 // More than it reads in a turn, without end.
-TEST_F(StrangersTest, AFloodKeepsNobodyFromLeading) {
+TEST_F(StrangersTest, AFloodDoesNotPreventATakeover) {
   StartB();
   Begin();
   Frames(20);
@@ -143,11 +142,11 @@ TEST_F(StrangersTest, AFloodKeepsNobodyFromLeading) {
   flood(1200);
   wire_.to_b.clear();
   EXPECT_EQ(b_->State().role(), "leading");
-  EXPECT_NE(b_->State().refused_why().find("no entry of a journal"), std::string::npos);
+  EXPECT_NE(b_->State().refused_why().find("not an entry of a journal"), std::string::npos);
 }
 
 // The daemon of another pair has the peer's address: it hears its own peer, not this one.
-TEST_F(StrangersTest, TheLeaderOfAnotherPairIsNeitherFollowedNorGivenWayTo) {
+TEST_F(StrangersTest, TheLeaderOfAnotherPairIsIgnored) {
   a_.reset();
   wire_.to_b.clear();
   b_ = std::make_unique<Node>(wire_, false, 9, 77'000'000'000, config_, kTopics);
@@ -171,7 +170,7 @@ TEST_F(StrangersTest, TheLeaderOfAnotherPairIsNeitherFollowedNorGivenWayTo) {
   EXPECT_EQ(b_->State().term(), 1U);
   hear(5000);
   EXPECT_EQ(b_->State().role(), "leading");
-  EXPECT_TRUE(Says(*b_, "that daemon hears another one than this"));
+  EXPECT_TRUE(Says(*b_, "that daemon receives a third one"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Who of two daemons leads: at the start, after silence, goodbye, restart and partition.
+// Which of two daemons leads: at the start, after silence, goodbye, restart and partition.
 #include <gtest/gtest.h>
 
 #include "daemon/standby/roles.h"
@@ -28,14 +28,14 @@ struct RolesTest : testing::Test {
   std::int64_t now_ns = 0;
 };
 
-TEST_F(RolesTest, ADaemonThatHearsNobodyLeadsAfterASecond) {
+TEST_F(RolesTest, ADaemonThatHearsNoPeerLeadsAfterASecond) {
   EXPECT_EQ(Pass(roles, now_ns, 900), Change::kNone);
   EXPECT_EQ(roles.role(), v1::ROLE_LOOKING);
   EXPECT_EQ(Pass(roles, now_ns, 200), Change::kLead);
   EXPECT_EQ(roles.term(), 1U);
 }
 
-TEST_F(RolesTest, OfTwoThatHaveJustStartedOneLeads) {
+TEST_F(RolesTest, OneOfTwoStartingDaemonsLeads) {
   for (const bool first : {false, true}) {
     for (const bool other_first : {false, true}) {
       Roles one(5, first, kHold), other(9, other_first, kHold);
@@ -47,7 +47,7 @@ TEST_F(RolesTest, OfTwoThatHaveJustStartedOneLeads) {
   }
 }
 
-TEST_F(RolesTest, AStandbyGoesOnAfterTheHoldAndNotBefore) {
+TEST_F(RolesTest, AStandbyTakesOverAfterTheHoldAndNotBefore) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
   EXPECT_EQ(Pass(roles, now_ns, 90), Change::kNone);
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone);
@@ -57,7 +57,7 @@ TEST_F(RolesTest, AStandbyGoesOnAfterTheHoldAndNotBefore) {
   EXPECT_EQ(roles.role(), v1::ROLE_LEADING);
 }
 
-TEST_F(RolesTest, WithoutTheStateItLeadsAllTheSameButAfterASecond) {
+TEST_F(RolesTest, AStandbyWithoutTheStateLeadsAfterASecond) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
   EXPECT_EQ(Pass(roles, now_ns, 900, false), Change::kNone) << "a busy leader is not gone";
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone);
@@ -65,14 +65,14 @@ TEST_F(RolesTest, WithoutTheStateItLeadsAllTheSameButAfterASecond) {
   EXPECT_EQ(Pass(roles, now_ns, 200, false), Change::kLead);
 }
 
-TEST_F(RolesTest, WithoutTheStateItLeadsAtOnceAfterAGoodbye) {
+TEST_F(RolesTest, AStandbyWithoutTheStateLeadsAtOnceAfterAGoodbye) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
   EXPECT_EQ(roles.OnTime(now_ns, false, false), Change::kNone);
   EXPECT_EQ(roles.OnPeer({9, v1::ROLE_LEAVING, 3, false}), Change::kNone);
   EXPECT_EQ(Pass(roles, now_ns, 10, false), Change::kLead);
 }
 
-TEST_F(RolesTest, ItsOwnPauseIsNotTheOthersSilence) {
+TEST_F(RolesTest, APauseOfThisDaemonIsNotSilenceOfThePeer) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
   EXPECT_EQ(roles.OnTime(now_ns, true, true), Change::kNone);
   for (int i = 0; i < 3; ++i) {
@@ -94,7 +94,7 @@ TEST_F(RolesTest, AGoodbyeAndARestartNeedNoWait) {
   }
 }
 
-TEST_F(RolesTest, AfterAPartitionTheHigherTermStays) {
+TEST_F(RolesTest, TheHigherTermRemainsAfterAPartition) {
   Roles a(5, false, kHold), b(9, false, kHold);
   std::int64_t a_ns = 0, b_ns = 0;
   EXPECT_EQ(Pass(a, a_ns, 1100), Change::kLead);
@@ -105,7 +105,7 @@ TEST_F(RolesTest, AfterAPartitionTheHigherTermStays) {
   EXPECT_EQ(a.term(), b.term());
 }
 
-TEST_F(RolesTest, OfTwoThatStartedApartTheSmallerNumberStays) {
+TEST_F(RolesTest, TheSmallerNumberRemainsOfTwoThatStartedSeparately) {
   Roles a(5, false, kHold), b(9, false, kHold);
   std::int64_t a_ns = 0, b_ns = 0;
   EXPECT_EQ(Pass(a, a_ns, 1100), Change::kLead);
@@ -114,7 +114,7 @@ TEST_F(RolesTest, OfTwoThatStartedApartTheSmallerNumberStays) {
   EXPECT_EQ(b.OnPeer(Leading(5, a.term())), Change::kFollow);
 }
 
-TEST_F(RolesTest, AWishIsSaidAndWaitsForTheGoodbye) {
+TEST_F(RolesTest, ARequestForTheLeadIsAnnouncedAndWaitsForTheGoodbye) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
   roles.RequestLead();
   EXPECT_EQ(roles.advertised_role(), v1::ROLE_LEADING);
@@ -128,7 +128,7 @@ TEST_F(RolesTest, AWishIsSaidAndWaitsForTheGoodbye) {
   EXPECT_EQ(roles.OnPeer({9, v1::ROLE_FOLLOWING, 4, false}), Change::kNone);
 }
 
-TEST_F(RolesTest, AWishOfWhichTheLeaderHearsNothingIsATakeoverAfterTheHold) {
+TEST_F(RolesTest, ARequestThatTheLeaderDoesNotReceiveBecomesATakeoverAfterTheHold) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
   roles.RequestLead();
   EXPECT_EQ(Pass(roles, now_ns, 200), Change::kTakeOver);
@@ -136,7 +136,7 @@ TEST_F(RolesTest, AWishOfWhichTheLeaderHearsNothingIsATakeoverAfterTheHold) {
 }
 
 // A daemon that was started behind a network that was not up yet must not end a running show.
-TEST_F(RolesTest, OfTwoThatNeverHeardOfEachOtherTheLongerShowStays) {
+TEST_F(RolesTest, TheLongerShowRemainsOfTwoLeadersThatNeverMet) {
   Roles show(9, false, kHold), fresh(5, true, kHold);
   std::int64_t show_ns = 0, fresh_ns = 0;
   EXPECT_EQ(Pass(show, show_ns, 1100), Change::kLead);
@@ -148,7 +148,7 @@ TEST_F(RolesTest, OfTwoThatNeverHeardOfEachOtherTheLongerShowStays) {
   EXPECT_EQ(fresh.OnPeer(Leading(9, show.term())), Change::kFollow);
 }
 
-// Nobody follows a term that no pair reaches: the next one would wrap around to 0.
+// A term that no pair reaches is ignored: the next one would wrap around to 0.
 TEST_F(RolesTest, ATermThatNoPairReachesIsIgnored) {
   EXPECT_EQ(roles.OnPeer(Leading(9, ~std::uint64_t{0})), Change::kNone);
   EXPECT_EQ(Pass(roles, now_ns, 1100), Change::kLead);
@@ -160,7 +160,7 @@ TEST_F(RolesTest, ATermThatNoPairReachesIsIgnored) {
   }
 }
 
-TEST_F(RolesTest, TheHighestTermStaysTheHighest) {
+TEST_F(RolesTest, TheHighestTermDoesNotWrapAround) {
   EXPECT_EQ(roles.OnPeer(Leading(9, Roles::kMostTerm)), Change::kFollow);
   roles.RequestLead();
   EXPECT_EQ(roles.advertised_term(), Roles::kMostTerm);
@@ -170,8 +170,8 @@ TEST_F(RolesTest, TheHighestTermStaysTheHighest) {
   EXPECT_EQ(roles.term(), Roles::kMostTerm);
 }
 
-// What listens at the peer's address is the daemon of another pair.
-TEST_F(RolesTest, ALeaderThatHearsAThirdDaemonTakesNoLead) {
+// The program at the peer's address is a daemon of another pair.
+TEST_F(RolesTest, ALeaderThatHearsAThirdDaemonDoesNotTakeTheLead) {
   Peer stranger = Leading(3, 9);
   stranger.hears = 77;
   EXPECT_EQ(Pass(roles, now_ns, 1100), Change::kLead);
@@ -181,7 +181,7 @@ TEST_F(RolesTest, ALeaderThatHearsAThirdDaemonTakesNoLead) {
   EXPECT_EQ(roles.OnPeer(stranger), Change::kFollow);
 }
 
-TEST_F(RolesTest, ADaemonThatStartsDoesNotFollowALeaderThatHearsAThirdOne) {
+TEST_F(RolesTest, AStartingDaemonDoesNotFollowALeaderThatHearsAThirdOne) {
   Peer stranger = Leading(3, 9);
   stranger.hears = 77;
   Change change = Change::kNone;
@@ -195,7 +195,7 @@ TEST_F(RolesTest, ADaemonThatStartsDoesNotFollowALeaderThatHearsAThirdOne) {
 }
 
 // The leader still has its last start in its ears.
-TEST_F(RolesTest, ADaemonThatStartsAgainFollowsOnceItIsHeard) {
+TEST_F(RolesTest, ARestartedDaemonFollowsOnceItIsHeard) {
   Peer leader = Leading(3, 9);
   leader.hears = 4;
   for (int i = 0; i < 100; ++i) {
@@ -207,7 +207,7 @@ TEST_F(RolesTest, ADaemonThatStartsAgainFollowsOnceItIsHeard) {
 }
 
 // With another hold_ms, the leader's signs of life come as rarely as its own allows.
-TEST_F(RolesTest, AStandbyWaitsAsLongAsTheLeaderWouldAndHalfASecondAtMost) {
+TEST_F(RolesTest, AStandbyWaitsForTheLeadersHoldUpToHalfASecond) {
   for (const auto& [hold_ms, waits_ms] : {std::pair{20, 100}, {300, 300}, {5000, 500}}) {
     Roles standby(5, false, kHold);
     std::int64_t standby_ns = 0;

@@ -16,7 +16,7 @@ export function settingsOf(stats: Stats | undefined): Map<string, Setting> {
 // tests/documents/test_look.py compares.
 const FIELDS = ['strength', 'absolute', 'parts', 'inputStyle', 'root', 'vary', 'varyEach', 'varyAmount', 'driftS'] as const;
 
-// What a look says, as text; fades are not part of it.
+// The content of a look as text, without fades.
 function textOf(look: Look): string {
   const said = FIELDS.map((field) => (field === 'parts' ? [...look.parts].sort() : look[field]));
   return JSON.stringify([look.mix.map(({ style, weight }) => [style, weight]), ...said]);

@@ -46,7 +46,7 @@ function list(app: App, explain: Dialog): HTMLElement {
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
       const also = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
-      row.title = entry.performer === app.selected ? `${also ? `${also}. ` : ''}Click: what became of the frames, and why` : also;
+      row.title = entry.performer === app.selected ? `${also ? `${also}. ` : ''}Click: the fate of the frames, and why` : also;
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : '') + neutralWords(entry));
@@ -57,7 +57,7 @@ function list(app: App, explain: Dialog): HTMLElement {
     }
   });
   return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty,
-    h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? What became of the frames'), ownStyle(app));
+    h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? Fate of the frames'), ownStyle(app));
 }
 
 // The parts that other sources provide for a performer, such as a phone the face, and the own

@@ -1,4 +1,4 @@
-// What became of a performer's frames, and why: the daemon's own sentences, with how often each holds.
+// The fates of a performer's frames and their causes: the daemon's sentences, each with its number of frames.
 import { Fate, type FrameFate } from 'styled-client';
 
 import type { App } from './app.js';
@@ -13,7 +13,7 @@ export interface Cause {
   count: number;
 }
 
-/** The causes of frames that were not simply published, the most frequent first, and how many were. */
+/** The causes of frames that need an explanation, the most frequent first, and the number of those that need none. */
 export function causes(frames: Pick<FrameFate, 'cause' | 'isBody' | 'fate'>[]): { well: number; causes: Cause[] } {
   const counts = new Map<string, number>();
   let well = 0;
@@ -24,17 +24,17 @@ export function causes(frames: Pick<FrameFate, 'cause' | 'isBody' | 'fate'>[]): 
   return { well, causes: [...counts].map(([text, count]) => ({ text, count })).sort((a, b) => b.count - a.count) };
 }
 
-/** The dialog that tells it of the selected performer, anew twice a second while it is open. */
+/** The dialog that shows the fates of the selected performer's frames. While open it is updated twice a second. */
 export function why(app: App): Dialog {
   const newest = h('p', {}), list = h('ul', {});
-  const box = dialog('What became of the frames', 'why', newest, list);
+  const box = dialog('Fate of the frames', 'why', newest, list);
   const fill = async () => {
     const performer = app.selected;
     const frames = await app.client.explain(performer, { last: FRAMES });
     const found = causes(frames);
-    newest.textContent = `${performer}: ${frames.at(-1)?.text ?? 'nothing came yet.'}`;
+    newest.textContent = `${performer}: ${frames.at(-1)?.text ?? 'no frame arrived yet.'}`;
     const lines = found.causes.map(({ text, count }) => `${count} of the last ${frames.length}: ${text}`);
-    if (found.well > 0) lines.push(`${found.well} of the last ${frames.length} were published, and there is nothing to say of them.`);
+    if (found.well > 0) lines.push(`${found.well} of the last ${frames.length} were published without anything to report.`);
     list.replaceChildren(...lines.map((line) => h('li', {}, line)));
   };
   const turn = () => {

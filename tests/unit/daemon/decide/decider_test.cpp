@@ -128,7 +128,7 @@ TEST_F(DeciderTest, LateFramesAreFlaggedAndPublished) {
   EXPECT_NEAR(static_cast<double>(decision.lateness_ns), 30e6, 1e5);
 }
 
-TEST_F(DeciderTest, OfABacklogOnlyTheNewestFrameIsPublished) {
+TEST_F(DeciderTest, OnlyTheNewestFrameOfABacklogIsPublished) {
   Begin();
   for (int i = 0; i < 50; ++i) (void)Next();
   newest_ = false;
@@ -142,7 +142,7 @@ TEST_F(DeciderTest, OfABacklogOnlyTheNewestFrameIsPublished) {
   EXPECT_EQ(Next(150 * kMillisecond_ns).fate, v1::FATE_STYLED);
 }
 
-TEST_F(DeciderTest, WhereNewerFramesWaitOneAPeriodOfTheBacklogIsPublished) {
+TEST_F(DeciderTest, OneFramePerBacklogIsPublishedWhileNewerFramesWait) {
   Begin();
   for (int i = 0; i < 50; ++i) (void)Next();
   more_waiting_ = true;

@@ -94,7 +94,7 @@ TEST_F(ExplainTest, AReorderedFrame) {
   const support::Bytes early = rig_.Frame();
   Next();
   Deliver(early);
-  EXPECT_THAT(Text(), HasSubstr("a newer frame has come already"));
+  EXPECT_THAT(Text(), HasSubstr("a newer frame has arrived already"));
   EXPECT_THAT(Text(), HasSubstr("send by cable or by TCP"));
 }
 
@@ -116,7 +116,7 @@ TEST_F(ExplainTest, ASecondSender) {
   Begin();
   support::Rig other("a", 99);
   Deliver(other.Frame());
-  EXPECT_THAT(Text(), HasSubstr("another sender is this performer already: stop one"));
+  EXPECT_THAT(Text(), HasSubstr("another sender has this performer's name already: stop one"));
 }
 
 TEST_F(ExplainTest, AFrameOfAnotherSkeleton) {
@@ -154,7 +154,7 @@ TEST_F(ExplainTest, AFrameBeforeItsSkeleton) {
   pipe().Pass(500);
   rig_.time_ns += 500 * kMs;
   Next();
-  EXPECT_THAT(Text(), HasSubstr("the skeleton of its session has not come"));
+  EXPECT_THAT(Text(), HasSubstr("the skeleton of its session has not arrived"));
   EXPECT_THAT(Text(), HasSubstr("A session begins with it"));
 }
 
@@ -174,7 +174,7 @@ TEST_F(ExplainTest, AFrameOfABacklogWasPassedOver) {
   pipe().Deliver(pile);
   const v1::Reply reply = Ask(2);
   ASSERT_EQ(reply.explain().frames_size(), 2);
-  EXPECT_THAT(reply.explain().frames(0).text(), HasSubstr("passed over"));
+  EXPECT_THAT(reply.explain().frames(0).text(), HasSubstr("skipped"));
   EXPECT_THAT(reply.explain().frames(0).text(), HasSubstr("a newer one was waiting"));
 }
 
@@ -192,7 +192,7 @@ TEST_F(ExplainTest, AJumpOfTheSendersClock) {
   Begin();
   rig_.time_ns += std::uint64_t{7200} * 1000 * kMs;
   Next();
-  EXPECT_THAT(Text(), HasSubstr("The sender's clock jumped, so the style starts anew"));
+  EXPECT_THAT(Text(), HasSubstr("The sender's clock jumped, so the style restarts"));
 }
 
 TEST_F(ExplainTest, JointsThatAreNotTrackedAreNamed) {
@@ -212,7 +212,7 @@ TEST_F(ExplainTest, JointsThatAreNotTrackedAreNamed) {
 TEST_F(ExplainTest, SilenceSendsTheLastPoseAgain) {
   Begin();
   pipe().Pass(1000);
-  EXPECT_THAT(Text(), HasSubstr("fell silent, and this is the last pose again"));
+  EXPECT_THAT(Text(), HasSubstr("fell silent, and this is a repetition of the last pose"));
 }
 
 TEST_F(ExplainTest, LimbsThatShowLittleOfTheStyleAreNamed) {
@@ -245,7 +245,7 @@ TEST_F(SleepingExplainTest, AFailedFrameNamesThePoseThatWasNotSound) {
   EXPECT_GT(pipe().Count(runtime::Counter::kStylistFailedPrediction), 0U);
 }
 
-TEST_F(ExplainTest, OfNobodyTheReasonTellsWhatTheSourcesCount) {
+TEST_F(ExplainTest, TheReasonForAnUnknownPerformerStatesTheCounters) {
   EXPECT_EQ(Ask(1, "rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
   EXPECT_THAT(Ask(1, "rig.b").reason(), HasSubstr("nothing arrived from any source yet"));
   pipe().Deliver({rig_.Frame()});
@@ -266,7 +266,7 @@ TEST_F(ExplainTest, AFrameThatIsNotKeptNamesThoseThatAre) {
   EXPECT_THAT(reply.reason(), HasSubstr("found 100000, expected a frame that is kept: 1 to 120"));
 }
 
-TEST_F(ExplainTest, WhoFollowsGetsWhatCameSinceTheLastReply) {
+TEST_F(ExplainTest, AFollowingClientGetsTheFramesSinceTheLastReply) {
   Begin();
   v1::Request request;
   request.set_performer("rig.a");
