@@ -1,4 +1,5 @@
-"""daemon/TROUBLESHOOTING.md and GLOSSARY.md name programs, options, counters and terms that exist."""
+"""README.md, clients/README.md and the guides in daemon/ name programs, options, counters and terms that exist.
+A stranger reads README.md in two minutes: it has at most 110 lines."""
 import glob
 import os
 import re
@@ -9,6 +10,7 @@ from test_operating import ROOT, counters, read
 PROGRAMS = ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'stylenats', 'styleweb',
             'stylize')
 GROUPS = ('source', 'usb', 'pipeline', 'stylist', 'publish', 'control', 'security', 'config', 'state', 'record')
+README_LINES = 110
 CODE = re.compile(r'`([^`\n]+)`')
 BLOCK = re.compile(r'^```sh\n(.*?)^```', re.MULTILINE | re.DOTALL)
 TERM = re.compile(r'^\| ([^|*]+) \| (.*) \|$', re.MULTILINE)
@@ -55,6 +57,11 @@ def terms_not_explained(entries):
             if word.lower() not in terms and word.lower().rstrip('s') not in terms]
 
 
+def beyond(page, lines):
+    """The lines of a page that are too many."""
+    return page.splitlines()[lines:]
+
+
 class GuidesTest(unittest.TestCase):
     def setUp(self):
         self.page = read('daemon', 'TROUBLESHOOTING.md')
@@ -65,6 +72,17 @@ class GuidesTest(unittest.TestCase):
         sources = {program: source_of(program) for program in PROGRAMS}
         self.assertEqual([], wrong_options(self.page, sources.get))
         self.assertEqual([], wrong_counters(self.page, counters(read('daemon', 'runtime', 'counters.cpp'))))
+
+    def test_options_of_the_other_pages_exist(self):
+        sources = {program: source_of(program) for program in PROGRAMS}
+        for page in (('README.md',), ('clients', 'README.md'), ('daemon', 'OPERATING.md')):
+            with self.subTest(page=page):
+                self.assertGreater(len(commands(read(*page))), 5)
+                self.assertEqual([], wrong_options(read(*page), sources.get))
+
+    def test_the_readme_is_short(self):
+        self.assertEqual([], beyond(read('README.md'), README_LINES))
+        self.assertEqual(['c', ''], beyond('a\nb\nc\n\n', 2))
 
     def test_the_terms_are_in_order_and_those_in_italics_have_a_row(self):
         terms = [term.lower() for term, _ in self.entries]
