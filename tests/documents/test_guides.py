@@ -62,6 +62,24 @@ def beyond(page, lines):
     return page.splitlines()[lines:]
 
 
+def sections(toml):
+    """{section: its keys} of styled.toml, those that are commented out included."""
+    found, keys = {}, set()
+    for line in toml.splitlines():
+        head, key = re.match(r'(?:# )?\[\[?(\w+)\]', line), re.match(r'(?:# *)?(\w+) *=', line)
+        if head:
+            keys = found.setdefault(head.group(1), set())
+        elif key:
+            keys.add(key.group(1))
+    return found
+
+
+def wrong_keys(page, known):
+    """Sections, and keys behind them, that a page names and styled.toml has not."""
+    return [f'[{section}] {key}'.strip() for section, key in re.findall(r'`\[\[?([a-z]\w*)\]\]?(?: (\w+))?', page)
+            if key not in {'', *known.get(section, ())} or section not in known]
+
+
 class GuidesTest(unittest.TestCase):
     def setUp(self):
         self.page = read('daemon', 'TROUBLESHOOTING.md')
@@ -80,6 +98,17 @@ class GuidesTest(unittest.TestCase):
                 self.assertGreater(len(commands(read(*page))), 5)
                 self.assertEqual([], wrong_options(read(*page), sources.get))
 
+    def test_sections_and_keys_of_the_configuration_exist(self):
+        known = sections(read('daemon', 'config', 'styled.toml'))
+        self.assertGreater(sum(map(len, known.values())), 80)
+        pages = glob.glob(os.path.join(ROOT, '*.md'))
+        for folder in ('clients', 'daemon', 'model', 'proto', 'tests'):
+            pages += glob.glob(os.path.join(ROOT, folder, '**', '*.md'), recursive=True)
+        for page in pages:
+            if '/node_modules/' not in page:
+                with self.subTest(page=os.path.relpath(page, ROOT)):
+                    self.assertEqual([], wrong_keys(read(page), known))
+
     def test_the_readme_is_short(self):
         self.assertEqual([], beyond(read('README.md'), README_LINES))
         self.assertEqual(['c', ''], beyond('a\nb\nc\n\n', 2))
@@ -94,6 +123,8 @@ class GuidesTest(unittest.TestCase):
         page = '`styled --fast` `stylectl doctor --seconds 3`\n```sh\nsudo stylectl --quick  # --slow\n```\n`pipeline.lots`'
         self.assertEqual(['stylectl --quick', 'styled --fast'], wrong_options(page, lambda _: '("--seconds",'))
         self.assertEqual(['pipeline.lots'], wrong_counters(page, {'pipeline.late': True}))
+        self.assertEqual(['[look] x', '[style] librarian', '[look]'], wrong_keys(
+            '`[look] x` `[style] librarian` `[[look]]` `[style] library` `[style]`', {'style': {'library'}}))
         self.assertEqual(['weather'], terms_not_explained([('style', 'as *styles*, *weather*')]))
 
 
