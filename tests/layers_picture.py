@@ -7,7 +7,7 @@ import html
 import itertools
 
 BOX_W, BOX_H, GAP_X, GAP_Y, PAD, TITLE = 104, 26, 14, 30, 16, 26
-INK, BOX, LINE, BORDER, FONT = "#1f2a37", "#d5e3f2", "#8a94a0", "#9aa4af", "font-family='sans-serif'"
+INK, BOX, LINE, BORDER = "#1f2a37", "#d5e3f2", "#8a94a0", "#9aa4af"
 MERGED = {"model/train"}  # one box for the folder and those below it
 NAMES = {"daemon": "supervisor, main"}
 BETWEEN = 225             # the columns, for arrows and what they say
@@ -24,7 +24,7 @@ def panel_of(box):
 
 def graph(rows):
     """{box: boxes that it may include}, of `rows`: {folder: folders that it may include}."""
-    boxes = dict.fromkeys(map(box_of, rows), ())
+    boxes = list(dict.fromkeys(map(box_of, rows)))
     below = {box: {other for other in boxes if other == box or other.startswith(box + "/")} for box in boxes}
     edges = {box: set() for box in boxes}
     for row, allowed in rows.items():
@@ -151,7 +151,9 @@ def may(edges, panel, other):
 def picture(rows):
     """The SVG of {folder: folders that it may include}; tests/ may include all and is not in it."""
     edges = graph({row: allowed for row, allowed in rows.items() if row != "tests"})
-    edges = {box: others - {"tests"} for box, others in edges.items()}
+    for box in edges:
+        if box in reached(edges, box):
+            raise ValueError(f"tests/layers_picture.py: {box} may include itself, by way of others")
     panels = {}
     for name in ("daemon", "clients and sim", "proto", "model"):
         inside = [box for box in edges if panel_of(box) == name]
