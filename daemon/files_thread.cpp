@@ -14,7 +14,7 @@
 namespace styled {
 namespace {
 
-// Between two looks at the recording's disk.
+// The interval at which the free space of the recording's disk is checked.
 constexpr int kLookAtDisk_ms = 200;
 
 }  // namespace
@@ -23,7 +23,7 @@ FilesThread::FilesThread(const config::Config& config, const Origin& origin,
                          std::shared_ptr<const pipeline::RuntimeConfig> running,
                          std::uint32_t weights_crc, pipeline::Mailboxes& mailboxes,
                          runtime::Counters& counters, const runtime::Clock& clock,
-                         record::Recorder* recorder)
+                         log::Recorder* recorder)
     : config_(config),
       origin_(origin),
       running_(std::move(running)),
@@ -82,7 +82,7 @@ void FilesThread::Run() {
   end_.notify_one();
 }
 
-// At most one reload and one request: between two of them settings are written.
+// At most one reload and one request per turn: settings are written in between.
 bool FilesThread::DoTurn() {
   KeepProfiles();
   CheckRecording();
@@ -98,7 +98,7 @@ bool FilesThread::DoTurn() {
 
 void FilesThread::Reload() {
   notifier_.Reloading(clock_.Now_ns());
-  const Status status = TakeOver();
+  const Status status = Adopt();
   const std::string refused = status.ok() ? "" : status.message();
   if (!status.ok()) {
     counters_.Add(runtime::Counter::kConfigReloadsRefused);
@@ -111,7 +111,7 @@ void FilesThread::Reload() {
   notifier_.Ready(status.ok() ? "reloaded" : "reload refused: " + refused);
 }
 
-Status FilesThread::TakeOver() {
+Status FilesThread::Adopt() {
   auto fresh = config::Load(origin_.file, origin_.overrides);
   if (!fresh.ok()) return fresh.status();
   std::uint32_t crc = weights_crc_;
@@ -133,7 +133,7 @@ Status FilesThread::TakeOver() {
 
 void FilesThread::WarnOfRestartKeys(const config::Config& fresh) const {
   const auto warn = [](const char* section) {
-    spdlog::warn("reload: [{}] changed; it takes a restart", section);
+    spdlog::warn("reload: [{}] changed; the change needs a restart", section);
   };
   if (fresh.sources != config_.sources) warn("source");
   if (!(fresh.publish == config_.publish)) warn("publish");
@@ -150,11 +150,11 @@ void FilesThread::WarnOfRestartKeys(const config::Config& fresh) const {
 void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
   std::shared_ptr<const pipeline::RuntimeConfig> made;
   if (mailboxes_.stands_by.load(std::memory_order_relaxed) && !exchange->followed &&
-      record::Changes(exchange->request)) {
+      log::Changes(exchange->request)) {
     standby::RefuseOrder(config_.standby.peer, exchange->request, exchange->reply);
   } else {
     made = style_requests_.Do(*running_, *exchange);
-    if (!style_requests_.said().empty()) spdlog::info("{}", style_requests_.said());
+    if (!style_requests_.log_line().empty()) spdlog::info("{}", style_requests_.log_line());
     if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
     if (made != nullptr) running_ = made;
   }
@@ -164,7 +164,8 @@ void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
 // Waits while the ring is full: the pipeline empties it between frames. False when the daemon
 // stops.
 bool FilesThread::Push(pipeline::Reload reload) {
-  while (!mailboxes_.reloads.Push(std::move(reload))) {  // a full ring leaves it as it is
+  while (!mailboxes_.reloads.Push(std::move(reload))) {  // the exchange stays unchanged when the
+                                                         // ring is full
     if (stop_.load(std::memory_order_relaxed)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

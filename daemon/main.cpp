@@ -39,12 +39,13 @@ int Parse(int argc, char** argv, Arguments& arguments) {
   app.add_option("--weights", arguments.weights, "weights file (as --set model.weights=FILE)");
   app.add_option("--ready-file", arguments.ready_file,
                  "where to write the endpoints, as JSON, once all is open");
-  auto* const replay = app.add_option(
-      "--replay", arguments.replay,
-      "play a recording through, its times as the clock, and exit; without --config under the "
-      "configuration that it holds");
-  auto* const replay_to = app.add_option("--replay-to", arguments.replay_to,
-                                         "with --replay: the new recording of what is published");
+  auto* const replay =
+      app.add_option("--replay", arguments.replay,
+                     "replay a recording on its own clock and exit; without --config, with the "
+                     "configuration in the recording");
+  auto* const replay_to =
+      app.add_option("--replay-to", arguments.replay_to,
+                     "with --replay: file for the recording of the published frames");
   replay->needs(replay_to);
   replay_to->needs(replay);
   app.set_version_flag("--version", STYLED_VERSION);
@@ -107,7 +108,7 @@ styled::Result<styled::Origin> MakeOrigin(const Arguments& arguments) {
   return origin;
 }
 
-// Opens no sockets, so that a daemon may run at the same time.
+// Opens no sockets, so that it can run beside a running daemon.
 int Replay(const Arguments& arguments, const styled::Origin& origin) {
   auto reader = styled::recording::Reader::Open(arguments.replay);
   if (!reader.ok()) return Refuse(reader.status().message(), kBadArguments);
@@ -115,18 +116,18 @@ int Replay(const Arguments& arguments, const styled::Origin& origin) {
                           ? styled::replay::ConfigOf(*reader.value(), origin.overrides)
                           : styled::config::Load(origin.file, origin.overrides);
   if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
-  const auto said =
+  const auto summary =
       styled::replay::ReplayToFile(*reader.value(), config.value(), arguments.replay_to);
-  if (!said.ok()) return Refuse(said.status().message(), kFailed);
-  std::cout << "styled: " << said.value() << "\n";
+  if (!summary.ok()) return Refuse(summary.status().message(), kFailed);
+  std::cout << "styled: " << summary.value() << "\n";
   return 0;
 }
 
-// Blocks from this size on have pages of their own, which go back to the system at once. Left to
-// itself glibc raises the bound to the largest block that was ever freed, up to 32 MiB: after one
-// large request all later ones would lie in heaps, among small blocks that keep their pages. Four
-// minutes of tests/hostile/abuse.cpp left 49 MB of free blocks in 73 MB of heaps, and more with
-// each minute; with the bound 15 in 33, and no more.
+// Allocations of at least this size get pages of their own, which return to the system when they
+// are freed. By default glibc raises this bound to the size of the largest block that was freed, up
+// to 32 MiB. After one large request all later ones would then lie in heaps, among small blocks
+// that keep their pages in use. Measured after four minutes of tests/hostile/abuse.cpp: 49 MB of
+// free blocks in 73 MB of heaps, and growing; with the bound, 15 MB in 33 MB, and constant.
 constexpr int kOwnPages_bytes = 128 * 1024;
 
 // Blocks the signals for all threads that start later; the supervisor reads them from a descriptor.
@@ -151,7 +152,7 @@ int main(int argc, char** argv) {
   auto config = styled::config::Load(origin.value().file, origin.value().overrides);
   if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
   if (!arguments.check_file.empty()) {
-    // Also loads the weights: the presets can only be checked against their styles.
+    // Also loads the weights, because presets can only be checked against their styles.
     std::uint32_t crc = 0;
     const auto made = styled::pipeline::MakeRuntimeConfig(config.value(), nullptr, crc);
     if (!made.ok()) return Refuse(made.status().message(), kBadArguments);

@@ -8,9 +8,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-#include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -37,7 +35,7 @@ namespace {
 constexpr int kTick_ms = 200;
 
 // Whether the two daemons of [standby] show each other their keys.
-bool AsksPeer(const config::Config& config) {
+bool ExchangesKeys(const config::Config& config) {
   return !config.standby.peer.empty() && !config.standby.peer_key.empty() &&
          !config.security.keys.empty() && !config.standby.allow_unauthenticated_remote;
 }
@@ -144,9 +142,9 @@ Status Supervisor::OpenGate() {
   const config::Publish& publish = config_.publish;
   const config::Control& control = config_.control;
   const bool asks =
-      AsksPeer(config_) ||
-      config::AsksForKeys(config_, publish.address, publish.allow_unauthenticated_remote) ||
-      config::AsksForKeys(config_, control.address, control.allow_unauthenticated_remote);
+      ExchangesKeys(config_) ||
+      config::RequiresKeys(config_, publish.address, publish.allow_unauthenticated_remote) ||
+      config::RequiresKeys(config_, control.address, control.allow_unauthenticated_remote);
   if (!asks) return Status::Ok();
   auto opened = security::Gatekeeper::Open(context_, config_.security.keys, counters_);
   if (!opened.ok()) return opened.status();
@@ -158,8 +156,8 @@ Status Supervisor::OpenGate() {
 
 security::Gatekeeper* Supervisor::KeeperOf(const std::string& address,
                                            bool allow_unauthenticated_remote) {
-  return config::AsksForKeys(config_, address, allow_unauthenticated_remote) ? gatekeeper_.get()
-                                                                             : nullptr;
+  return config::RequiresKeys(config_, address, allow_unauthenticated_remote) ? gatekeeper_.get()
+                                                                              : nullptr;
 }
 
 Status Supervisor::OpenSockets() {
@@ -188,22 +186,21 @@ Status Supervisor::OpenSockets() {
 Status Supervisor::OpenStandby() {
   if (config_.standby.peer.empty()) return Status::Ok();
   auto opened = standby::OpenZmqChannel(context_, config_.standby,
-                                        AsksPeer(config_) ? gatekeeper_.get() : nullptr);
+                                        ExchangesKeys(config_) ? gatekeeper_.get() : nullptr);
   if (!opened.ok()) return opened.status();
   standby_fds_ = {opened.value().publish_fd, opened.value().subscribe_fd};
   standby_endpoint_ = opened.value().endpoint;
   standby_ = std::make_unique<standby::Standby>(std::move(opened.value().channel), config_.standby,
                                                 epoch_, *publisher_, clock_);
   mailboxes_.stands_by.store(true, std::memory_order_relaxed);
-  spdlog::info("stands in for {}, its own journal is at {}", config_.standby.peer,
-               standby_endpoint_);
+  spdlog::info("standby of {}; its own journal is at {}", config_.standby.peer, standby_endpoint_);
   return Status::Ok();
 }
 
 // A recording that cannot start is logged and does not keep the daemon from starting.
 void Supervisor::StartRecording() {
   if (config_.record.file.empty()) return;
-  record::About about;
+  log::About about;
   about.config = ReadText(origin_.file, config::kMaxFileBytes);
   for (const auto& set : origin_.overrides) {
     about.config += "# " + set.place + ": " + set.key + " = " + set.value + "\n";
@@ -217,7 +214,7 @@ void Supervisor::StartRecording() {
       about.weights_hash = label.value().hashes;
     }
   }
-  auto recorder = record::Recorder::Start(config_, source_endpoints_, about);
+  auto recorder = log::Recorder::Start(config_, source_endpoints_, about);
   if (!recorder.ok()) {
     counters_.Add(runtime::Counter::kRecordFailures);
     spdlog::error("nothing is recorded: {}", recorder.status().message());
@@ -247,7 +244,7 @@ void Supervisor::RestoreProfiles() {
                   config_.state.dir);
     return;
   }
-  // The system is asked by a file that is gone at once: rights, mounts and limits need no guess.
+  // Writability is tested with a temporary file, which covers permissions, mounts and limits.
   std::string probe = config_.state.dir + "/.styled-XXXXXX";
   if (const Descriptor made(mkstemp(probe.data())); made.get() >= 0) {
     std::filesystem::remove(probe, error);
@@ -302,7 +299,7 @@ void Supervisor::StartSignOfLife() {
   const char* const manager = std::getenv("NOTIFY_SOCKET");
   if (manager != nullptr &&
       runtime::WatchdogAsked(std::getenv("WATCHDOG_USEC"), std::getenv("WATCHDOG_PID"), getpid())) {
-    // An idle pipeline sleeps: the signal makes it turn once before the next look.
+    // An idle pipeline sleeps: the signal makes it turn once before the next check.
     sign_of_life_ = std::make_unique<runtime::SignOfLife>(
         manager, [this] { return pipeline_loop_->turns(); },
         [this] { mailboxes_.wake_pipeline.Signal(); });
@@ -358,7 +355,7 @@ void Supervisor::Run() {
     if (passed_ns < runtime::kSecond_ns) continue;
     logged_ns += passed_ns;
     LogTrouble();
-    SayHowItGoes(static_cast<double>(passed_ns) / 1e9);
+    ReportStatus(static_cast<double>(passed_ns) / 1e9);
   }
 }
 
@@ -400,7 +397,7 @@ void Supervisor::LogTrouble() {
     const auto counter = static_cast<runtime::Counter>(i);
     const std::uint64_t value = counters_.Get(counter);
     if (runtime::IsTrouble(counter) && value != logged_[i]) {
-      const std::string from = NamesOf(counters_.TakeSources(counter));
+      const std::string from = NamesOf(counters_.ClearSources(counter));
       const runtime::LogFields fields{{"STYLED_COUNTER", std::string(runtime::Name(counter))},
                                       {"STYLED_MORE", std::to_string(value - logged_[i])},
                                       {"STYLED_IN_ALL", std::to_string(value)},
@@ -413,7 +410,7 @@ void Supervisor::LogTrouble() {
 }
 
 // Sets the status line of `systemctl status`.
-void Supervisor::SayHowItGoes(double seconds) {
+void Supervisor::ReportStatus(double seconds) {
   const std::uint64_t frames = counters_.Get(runtime::Counter::kPipelineFrames);
   std::string line = fmt::format("{} performers, {:.0f} frames/s; publishing on {}, control on {}",
                                  counters_.Get(runtime::Counter::kPipelinePerformers),

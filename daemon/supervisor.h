@@ -10,13 +10,13 @@
 #include "daemon/config/config.h"
 #include "daemon/control/control_socket.h"
 #include "daemon/files_thread.h"
+#include "daemon/log/recorder.h"
 #include "daemon/looks/mailboxes.h"
 #include "daemon/looks/runtime_config.h"
 #include "daemon/origin.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/pipeline_thread.h"
 #include "daemon/publish/publisher.h"
-#include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
@@ -28,9 +28,8 @@
 namespace styled {
 
 // Assembles the daemon and supervises it on the main thread: signals and the log. The other threads
-// are the pipeline, control, files, the sign of life (where the service manager asks for it),
-// security (with keys only), the recording's writer (while recording), one per USB source, and
-// ZeroMQ's own.
+// are the pipeline, control, files, the sign of life (if the service manager asks for it), security
+// (with keys only), the recording's writer (while recording), one per USB source, and ZeroMQ's own.
 class Supervisor {
  public:
   Supervisor(config::Config config, Origin origin);
@@ -60,12 +59,12 @@ class Supervisor {
   void LogEvents();
   void LogTrouble();
   std::string NamesOf(std::uint64_t sources) const;
-  void SayHowItGoes(double seconds);
+  void ReportStatus(double seconds);
 
   config::Config config_;
   Origin origin_;
   runtime::SystemClock clock_;
-  // The pipeline's thread has it as soon as it runs.
+  // The pipeline's thread uses it as soon as it runs.
   runtime::ClockWatch clock_watch_{config_.time.ptp4l};
   runtime::Counters counters_;
   runtime::Notifier notifier_ = runtime::Notifier::FromEnvironment();
@@ -82,11 +81,11 @@ class Supervisor {
   std::unique_ptr<publish::Publisher> publisher_;
   std::unique_ptr<standby::Standby> standby_;  // null: this daemon is alone
   std::unique_ptr<control::ControlSocket> control_;
-  std::unique_ptr<record::Recorder> recorder_;  // null: nothing is recorded
+  std::unique_ptr<log::Recorder> recorder_;  // null: nothing is recorded
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
   std::unique_ptr<FilesThread> files_;
-  std::unique_ptr<runtime::SignOfLife> sign_of_life_;  // null: nobody asks for it
+  std::unique_ptr<runtime::SignOfLife> sign_of_life_;  // null: the service manager has no watchdog
   std::thread pipeline_thread_, control_thread_;
   std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> logged_{};
   std::uint64_t frames_said_ = 0;

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Builds Styled and shows two sites and a viewer on this machine, with Debian's nats-server: each site
-# has a performer, a daemon, a stylenats and a leaf server of its own; the hall has a second daemon that
-# stands in for the first, with a stylenats, too; both sites are on one hub. The viewer's end (stylenats
-# --join) gives the hall's frames to programs here, and sends a style there. After a third of the time
-# the hall's leading daemon is killed, after two thirds the hub, which is started again. At the end it
-# says what was recorded beside the daemons and at the viewer.
-#   --seconds N      record for so long (default 30, at least 15)
+# has a performer, a daemon, a stylenats and a leaf server of its own; the hall also has a standby
+# daemon with a stylenats; both sites are on one hub. The viewer's end (stylenats --join) provides the
+# hall's frames to programs here, and sends a style there. After a third of the time the hall's leading
+# daemon is killed, after two thirds the hub, which is then restarted. At the end it reports the frames
+# that were recorded beside the daemons and at the viewer.
+#   --seconds N      recording time (default 30, at least 15)
 #   --no-build       use the binaries that are there (of the folder STYLED_BIN, if that is set)
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -58,7 +58,8 @@ fail() {
   exit 1
 }
 
-# The next ports on which nobody listens; others may take them until they are used, on a busy machine.
+# The next ports on which no program listens; on a busy machine other programs may take them before
+# they are used.
 port=7300
 next_port() {
   port=$((port + 1))
@@ -88,7 +89,7 @@ next_port; hub_leafs=$port
 sed "s|listen: 127.0.0.1:4223|listen: 127.0.0.1:$hub_port|; s|listen: 127.0.0.1:7422|listen: 127.0.0.1:$hub_leafs|
   s|/var/lib/nats/styled|$work/jetstream|" "$root/systemd/nats/hub.conf" >"$work/hub.conf"
 export STYLED_NATS_HUB="nats://leaf:$STYLED_NATS_LEAF@127.0.0.1:$hub_leafs"
-login() { # login USER: the file that --nats-login wants
+login() { # login USER: the file for --nats-login
   local role=STYLED_NATS_${1^^}
   (umask 077 && printf '%s\n%s\n' "$1" "${!role}" >"$work/$1.login")
 }
@@ -168,7 +169,7 @@ kill -9 "$leader"
 wait "$leader" 2>/dev/null || true
 sleep $((seconds / 3))
 "$bin/stylectl" stages "$leader_control" "$control_at" || true
-echo "the hub is killed (kill -9), and started again after 2 s"
+echo "the hub is killed (kill -9), and restarted after 2 s"
 kill -9 "$hub"
 wait "$hub" 2>/dev/null || true
 sleep 2
@@ -182,5 +183,5 @@ here=$(frames_of beside-the-daemons)
 there=$(frames_of at-the-viewer)
 echo "beside the daemons: ${here:-0} frames in $seconds s"
 echo "at the viewer: ${there:-0}; $(((here - there) * 1000 / 120)) ms are missing, of which the hub was away 2000"
-# A viewer whose frames never come again has at most two thirds of them.
+# A viewer whose frames never return has at most two thirds of them.
 [ "${there:-0}" -gt $((here * 3 / 4)) ]

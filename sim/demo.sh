@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds Styled and shows it at work: the built-in synthetic performer is streamed at 120 Hz into the
 # daemon, the shipped weights restyle it, a tour goes through styles, mixes and parts of the body, and
-# the terminal monitor draws input and styled figure side by side. The same in a browser: its address
-# is printed; the first time its page is built while the demo runs. Ctrl-C, or q in the monitor, ends
-# it.
+# the terminal monitor draws input and styled figure side by side. The same is visible in a browser:
+# its address is printed; the first time its page is built while the demo runs. Ctrl-C, or q in the
+# monitor, ends it.
 #   --seconds N      end by itself after N seconds
 #   --performers N   that many performers (default 1)
 #   --plain          no full-screen monitor: a picture and a line every two seconds
@@ -100,7 +100,7 @@ sim=$!
 pids+=("$sim")
 
 # The view for browsers. Its HTTP code and its page take as long to build as half of the rest, so they
-# are built at the lowest priority while the performer moves already, unless nothing has changed.
+# are built at the lowest priority while the performer is already moving, unless nothing has changed.
 port=7080  # the usual one, or the next that is free
 while (: <"/dev/tcp/127.0.0.1/$port") 2>/dev/null; do port=$((port + 1)); done
 serve_viewer() {
@@ -147,7 +147,7 @@ count=${#styles[@]}
 begun=$SECONDS
 next=0
 switches=0
-# One stop of the tour: styles in turn, and after every fourth what else can be done with them.
+# One stop of the tour: styles in turn, and after every fourth another feature.
 stop_of_tour() {
   local style=${styles[$((switches % count))]} other=${styles[$(((switches + 5) % count))]}
   case $((switches % 8)) in

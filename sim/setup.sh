@@ -77,7 +77,7 @@ styled_build() {
   local log="$styled_root/build/$preset.log" targets=()
   [ -z "${styled_targets:-}" ] || read -ra targets <<<"--target $styled_targets"
   mkdir -p "$styled_root/build"
-  (set -o pipefail && cd "$styled_root" && cmake --preset "$preset" "$@" >"$log" 2>&1 &&
+  (set -o pipefail && cd "$styled_root" && cmake --preset "$preset" -DSTYLED_UNITY=ON "$@" >"$log" 2>&1 &&
     cmake --build --preset "$preset" "${targets[@]}" 2>&1 | tee -a "$log" | styled_progress) &&
     return 0
   echo "the build of preset '$preset' failed; the end of $log:" >&2

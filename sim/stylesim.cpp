@@ -60,9 +60,8 @@ std::atomic<bool> stop_requested{false};
 extern "C" void RequestStop(int) { stop_requested = true; }
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("--as", a.as, "the rig to stand in for: " + rigs::Words())->capture_default_str();
-  app.add_option("--quirk", a.quirks,
-                 "a habit of that rig; a wrong one is answered with those known");
+  app.add_option("--as", a.as, "the rig to simulate: " + rigs::Words())->capture_default_str();
+  app.add_option("--quirk", a.quirks, "a habit of that rig; an unknown one lists the known ones");
   app.add_option("--to", a.to,
                  "where to send, udp://HOST:PORT or tcp://HOST:PORT (default: the rig's usual port "
                  "on 127.0.0.1, 7000 for native); a rig that is a server listens there; may be "
@@ -74,22 +73,23 @@ void AddOptions(CLI::App& app, Arguments& a) {
                  "its name, 1 to 32 of A-Za-z0-9_-; of several NAME-1, NAME-2, ...")
       ->capture_default_str();
   app.add_option("--performers", a.performers,
-                 "how many at once; the k-th begins with the k-th file, or is another person")
+                 "number of performers; the k-th begins with the k-th file, or is another person")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--rate", a.rate_hz, "frames per second; clips are resampled (C2)")
       ->check(styled::Number(1.0, 1000.0))
       ->capture_default_str();
   app.add_option("--seconds", a.seconds,
-                 "stop after so long (0: at the motion's end, if it has one)")
+                 "stop after this time (0: at the motion's end, if it has one)")
       ->check(styled::Number(0.0, 1e9))
       ->capture_default_str();
-  app.add_flag("--loop", a.loop, "begin the files again after the last");
-  app.add_option("--seed", a.seed, "of the synthetic performer")->capture_default_str();
-  app.add_option("--script", a.script,
-                 "what the synthetic performer does, for ever, e.g. stand:2,walk:5,turn-left:3; "
-                 "words: stand, walk, run, turn-left, turn-right, {wave,raise}-{left,right,both}. "
-                 "Without it: random order");
+  app.add_flag("--loop", a.loop, "restart with the first file after the last");
+  app.add_option("--seed", a.seed, "seed of the synthetic performer")->capture_default_str();
+  app.add_option(
+      "--script", a.script,
+      "motions of the synthetic performer, repeated for ever, e.g. stand:2,walk:5,turn-left:3; "
+      "words: stand, walk, run, turn-left, turn-right, {wave,raise}-{left,right,both}. "
+      "Without it: random order");
   app.add_option("--dialect", a.dialect, "rig dialect of the files, sent in the body")
       ->capture_default_str();
   app.add_option("--metres-per-unit", a.metres_per_unit,
@@ -167,7 +167,7 @@ Status Check(const Arguments& a, const faults::Spec& spec) {
     return Status::Error("--write: expected --seconds above 0 and no --bvh");
   }
   if (a.as != "native" && a.timecode_s) {
-    return Status::Error("--timecode: expected --as native (of others it is a --quirk)");
+    return Status::Error("--timecode: expected --as native (for others it is a --quirk)");
   }
   if (a.as == "native" && !a.quirks.empty()) return Status::Error("--quirk: native has none");
   return Status::Ok();
@@ -249,7 +249,7 @@ int Play(const Arguments& a, const std::vector<std::string>& to, rigs::Rig* serv
     if (!address.ok()) return RefuseArguments(address);
   }
   const auto say_goes_on = [](const std::string& failure) {
-    std::fprintf(stderr, "stylesim: %s; sending to the others goes on\n", failure.c_str());
+    std::fprintf(stderr, "stylesim: %s; sending to the others continues\n", failure.c_str());
   };
   const auto on_failure = [say_goes_on](const std::string& url, const std::string& why) {
     say_goes_on(url + ": " + why);
@@ -273,7 +273,7 @@ int Play(const Arguments& a, const std::vector<std::string>& to, rigs::Rig* serv
   const auto on_refused = [&to] {
     std::fprintf(
         stderr,
-        "stylesim: no program listens at %s (Connection refused); sending goes on. Is styled "
+        "stylesim: no program listens at %s (Connection refused); sending continues. Is styled "
         "running, with a source at that port?\n",
         AllOf(to).c_str());
   };
@@ -329,7 +329,7 @@ int Run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Stands in for a rig: plays BVH files, or a synthetic performer, to styled.",
+  CLI::App app("Simulates a rig: plays BVH files, or a synthetic performer, to styled.",
                "stylesim");
   Arguments arguments;
   AddOptions(app, arguments);

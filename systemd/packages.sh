@@ -23,7 +23,7 @@ if [ -n "${DEBEMAIL:-}" ]; then
   set -- "-DSTYLED_PACKAGE_MAINTAINER=${DEBFULLNAME:-Styled maintainers} <$DEBEMAIL>" "$@"
 fi
 cmake -S "$root" --preset release -B "$build" -DCMAKE_INSTALL_PREFIX=/usr \
-  -DSTYLED_TRAIN=OFF -DSTYLED_TESTS=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
+  -DSTYLED_UNITY=ON -DSTYLED_TRAIN=OFF -DSTYLED_TESTS=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
 targets=(styled stylectl stylemon stylesim stylerec stylevmc stylenats styleweb stylize styled_client styled_python styled_blender styled_man)
 [ -n "$(command -v npm)" ] && targets+=(styleweb_page)
 cmake --build "$build" --target "${targets[@]}"

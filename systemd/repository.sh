@@ -34,16 +34,16 @@ debs=$(realpath "$1")
 folder=$(realpath -m "${2:-$root/build/apt}")
 case $url in *[[:space:]]*) fail "--url '$url': expected an address without spaces" ;; esac
 url=${url:-file:${folder// /%20}}
-# Of a folder that is no repository nothing is replaced.
+# A folder that is not a repository is not changed.
 [ ! -e "$folder" ] || [ -e "$folder/dists" ] || [ -z "$(ls -A "$folder" 2>/dev/null || echo file)" ] ||
-  fail "$folder: exists and is no apt repository; name another folder"
+  fail "$folder: exists and is not an apt repository; name another folder"
 
 mkdir -p "$(dirname "$folder")"
 new=$(mktemp -d "$folder.new-XXXXXX")
 chmod 755 "$new"  # apt reads it as its own user
 own_home=no
 cleanup() {
-  [ $own_home = no ] || gpgconf --kill all || true  # the agent of a keyring that nobody else uses
+  [ $own_home = no ] || gpgconf --kill all || true  # the agent of a keyring that is used only here
   rm -rf "$new"
 }
 trap cleanup EXIT
@@ -61,10 +61,11 @@ gpg --list-secret-keys "$key" >/dev/null 2>&1 ||
   fail "--key $key: expected a secret key of ${GNUPGHOME:-$HOME/.gnupg}; gpg --list-secret-keys lists them"
 
 mkdir -p "$new/pool/main" "$new/dists/bookworm/main"
-# apt-ftparchive finds NAME_VERSION_ARCHITECTURE.deb alone, so a package gets the name that it says.
+# apt-ftparchive only finds NAME_VERSION_ARCHITECTURE.deb, so a package gets the name from its own
+# data.
 for deb in "$debs"/*.deb; do
   named=$(dpkg-deb --show --showformat='${Package}_${Version}_${Architecture}' "$deb" 2>/dev/null) ||
-    fail "$deb: is no package: dpkg-deb cannot read it"
+    fail "$deb: is not a package: dpkg-deb cannot read it"
   cp "$deb" "$new/pool/main/${named//:/%3a}.deb"
 done
 cd "$new"

@@ -34,7 +34,7 @@ else
   fi
   git -C "$before" checkout --quiet --detach "$commit"
   echo "building $(git log -1 --format='%h %s' "$commit")"
-  (cd "$before" && cmake --preset release -DSTYLED_TESTS=OFF -DSTYLED_TRAIN=OFF &&
+  (cd "$before" && cmake --preset release -DSTYLED_UNITY=ON -DSTYLED_TESTS=OFF -DSTYLED_TRAIN=OFF &&
     cmake --build --preset release --target styled stylize) >build/before.log 2>&1 ||
     { tail -n 20 build/before.log >&2; exit 1; }
   old=$before/build/release/bin

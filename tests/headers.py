@@ -19,7 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 FLAGS = ["-std=c++20", "-march=x86-64-v3", "-I", str(ROOT), "-isystem", "/usr/include/eigen3"]
 LEFT_OUT = re.compile(r"^model/train/|_torch\.h$")  # libtorch's users: minutes each
 INCLUDE = re.compile(r'^#include [<"]([^">]+)[">]', re.M)
-# What a generated header of lite messages includes.
+# The includes of a generated header of lite messages.
 MESSAGES = ["google/protobuf/" + name for name in (
     "io/coded_stream.h", "arena.h", "arenastring.h", "generated_message_util.h", "metadata_lite.h",
     "message_lite.h", "repeated_field.h", "extension_set.h")]
@@ -55,7 +55,7 @@ class Headers:
         return file
 
     def errors(self, name, text=None):
-        """What g++ says of a source that includes the header alone; "" for nothing."""
+        """The messages of g++ for a source that includes the header alone; "" for none."""
         before = self.precompiled(self.libraries(name))
         options = ["-include", str(before)] if before else []
         source = text or f'#include "{name}"\n'

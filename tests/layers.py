@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Which folder may include which. Prints `FILE:LINE: INCLUDE: RULE` for each include that breaks a rule,
-or `N includes, R rules, held`. Before that it breaks each rule once, by an include that nobody wrote: a
+or `N includes, R rules, held`. Before that it breaks each rule once, by an include that is not in the tree: a
 rule that does not notice is a failure too. The table of daemon/README.md and the picture tests/layers.svg must
 say the same; `--write` writes both.
 
@@ -50,19 +50,22 @@ ROWS = {
     "daemon/control": "daemon/styles daemon/looks daemon/security daemon/config daemon/runtime proto model/base"
                       " model/body",
     "daemon/replay": "daemon/pipeline daemon/styles daemon/looks daemon/source daemon/config daemon/runtime proto model",
-    "daemon/pipeline": "daemon/styles daemon/looks daemon/standby daemon/record daemon/publish daemon/source"
-                       " daemon/config daemon/runtime proto model",
+    "daemon/pipeline": "daemon/standby daemon/perform daemon/decide daemon/styles daemon/looks daemon/log"
+                       " daemon/publish daemon/source daemon/config daemon/runtime proto model",
+    "daemon/standby": "daemon/perform daemon/decide daemon/styles daemon/looks daemon/log daemon/publish"
+                      " daemon/source daemon/security daemon/config daemon/runtime proto/styled proto/rigs/native model",
+    "daemon/perform": "daemon/styles daemon/looks daemon/log daemon/publish daemon/decide daemon/source"
+                      " daemon/config daemon/runtime proto model",
     "daemon/styles": "daemon/looks daemon/config daemon/runtime proto model",
-    "daemon/looks": "daemon/publish daemon/config daemon/runtime proto/styled model",
-    "daemon/standby": "daemon/publish daemon/source daemon/security daemon/config daemon/runtime"
-                      " proto/styled proto/rigs/native model/base model/body",
-    "daemon/record": "daemon/source daemon/config daemon/runtime proto model/base",
-    "daemon/publish": "daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
+    "daemon/looks": "daemon/publish daemon/decide daemon/config daemon/runtime proto/styled model",
+    "daemon/log": "daemon/decide daemon/source daemon/config daemon/runtime proto model/base model/body",
+    "daemon/publish": "daemon/decide daemon/security daemon/config daemon/runtime proto/styled model/net " + STAGES,
+    "daemon/decide": "daemon/source daemon/runtime proto/styled model/base",
     "daemon/source": "daemon/config daemon/runtime proto model/devices " + STAGES,
     "daemon/security": "daemon/config daemon/runtime proto/keys proto/ipc model/base",
     "daemon/config": "daemon/runtime proto/rigs proto/styled " + STAGES + " model/net model/stylist",
     "daemon/runtime": "model/base proto/ipc proto/ptp proto/rigs/native",
-    # Who sends and who listens: neither the daemon nor a network.
+    # Senders and receivers: neither includes the daemon nor a network.
     "clients": "clients proto model/clip " + STAGES,
     "sim": "sim proto model/clip model/synthetic " + STAGES,
     "tests": "tests model proto daemon clients sim",
@@ -73,7 +76,6 @@ ALSO = {
     ("clients/rec", "sim/player"): "a recording is played by what plays clips",
     ("proto/styled", "model/net/styles.h"): "the limits of what may be asked of a network, once",
     ("clients", "model/tools/number.h"): "an option's number, for all command lines",
-    ("model/tools", "proto/rigs/native/datagram.h"): "the hash of weights in style files, as the daemon's",
     ("sim", "model/tools/number.h"): "an option's number, for all command lines",
 }
 # A family that runs another's network in another way, and that other one.
@@ -117,7 +119,7 @@ def broken_rule(file, header):
     if any(within(file, a) and within(header, b) for a, b in ALSO):
         return ""
     if row == row_of(header.rpartition("/")[0]):
-        parts = header.split("/")  # what lies beside the rigs' folders is for all of them
+        parts = header.split("/")  # files beside the rigs' folders are for all of them
         shared = row != "proto/rigs" or len(parts) == 3
         return "" if shared or parts[2] == file.split("/")[2] else RIG_RULE
     if any(within(header, to) for to in ROWS[row].split()):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Over what git tracks: format, self-contained headers, layer rules, and the longest and the repeated
-# pieces. Needs build/release configured, with the tests and its generated headers built.
+# Checks the files that git tracks: format, self-contained headers, layer rules, words, and the longest and
+# the repeated pieces. Needs build/release configured, with the tests and its generated headers built.
 #   tests/lint.sh             all of that
 #   tests/lint.sh --tidy      clang-tidy over the product (libtorch's users excepted: minutes each)
 #   tests/lint.sh --changed   clang-tidy over at most 20 sources that changed since origin/main, or where
@@ -43,5 +43,10 @@ git ls-files -z '*.h' '*.cpp' | xargs -0 clang-format-16 --dry-run -Werror || ba
 python3 -B tests/headers.py "$build" || bad=1
 printf 'layers: '
 python3 -B tests/layers.py || bad=1
+printf 'types of a frame: '
+python3 -B tests/frame_types.py | tail -1
+[ "${PIPESTATUS[0]}" = 0 ] || bad=1
+echo 'words:'
+python3 -B tests/words.py || bad=1
 python3 -B tests/sizes.py
 exit $bad

@@ -92,8 +92,8 @@ second_tries_are_few() {
   [ "$seconds_tried" -le "$most_second_tries" ]
 }
 
-# What reads strangers' bytes, under ASan and UBSan: the rigs' decoders in a few minutes. What is asked
-# for with --sanitized builds for 25 minutes on two cores. --full has all of the suite.
+# The code that reads untrusted bytes, under ASan and UBSan: the rigs' decoders, in a few minutes. The
+# other targets of --sanitized build for 25 minutes on two cores. --full has all of the suite.
 sanitized_part() {  # sanitized_part decoder|sanitizer
   local styled_targets=styled_$1_part
   styled_build asan -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF &&

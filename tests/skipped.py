@@ -10,7 +10,7 @@ import xml.etree.ElementTree as tree
 
 
 def reason_of(output):
-    """What a test said when it skipped itself: GoogleTest's message, or its last line."""
+    """The reason a test gave when it skipped itself: GoogleTest's message, or its last line."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for at, line in enumerate(lines):
         if line.endswith(': Skipped') and at + 1 < len(lines):

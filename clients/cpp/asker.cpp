@@ -9,7 +9,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxWaiting = 64;
-constexpr std::size_t kMaxLanes = 5;  // as many takes at once as the daemon has, and the others
+constexpr std::size_t kMaxLanes = 5;  // as many takes at once as the daemon has, and the other
+                                      // requests
 constexpr std::chrono::milliseconds kTimeout(2000), kLongTimeout(10000);
 
 }  // namespace
@@ -46,7 +47,7 @@ Status Asker::AddLane() {
   return Status::Ok();
 }
 
-// Of the lanes for long requests the one with the fewest; null if none can be connected.
+// The lane for long requests with the fewest waiting; null if none can be connected.
 Asker::Lane* Asker::LaneFor(const v1::Request& request) {
   if (!IsLong(request)) return lanes_.front().get();
   const auto load = [](const auto& lane) {

@@ -15,13 +15,13 @@
 
 namespace styled::client {
 
-// Whether the daemon may take long for it: an example, a preview, a style file.
+// Whether the daemon may need long for it: an example, a preview, a style file.
 bool IsLong(const v1::Request& request);
 
 // Runs the daemon's control socket on threads of its own, so that a daemon that does not answer
 // never delays frames. Requests are sent one after another, except long ones (IsLong): up to four
-// of those wait for their replies beside the others, at most 10 s and the length of a take, so that
-// a take of a minute does not delay Panic. Any thread may call Ask; the destructor waits for the
+// of those wait for their replies in parallel, at most 10 s and the length of a take, so that a
+// take of a minute does not delay Panic. Any thread may call Ask; the destructor waits for the
 // requests in flight, at most their timeout without the length of a take.
 class Asker {
  public:

@@ -14,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr std::int64_t kMaxReplyBytes = 16 << 20;
-constexpr milliseconds kGlance(100);  // between two looks whether a call is to end early
+constexpr milliseconds kGlance(100);  // interval of the checks whether a call should end early
 
 // Reads the last part of a waiting message: the payload, with or without the empty delimiter before
 // it.
@@ -30,7 +30,7 @@ bool ReadLastPart(zmq::socket_t& socket, zmq::message_t& part) {
 
 struct Control::Impl {
   ControlOptions options;              // `endpoint`: the one in use
-  std::vector<std::string> endpoints;  // that one first
+  std::vector<std::string> endpoints;  // tried first
   zmq::context_t context{1};
   zmq::socket_t socket;
   std::uint64_t next_id = 1;
@@ -62,8 +62,8 @@ struct Control::Impl {
     const Reach reach = Examine(options.endpoint, Peer::kControl, options.curve);
     return {CallStatus::Kind::kNoAnswer, v1::CODE_OK,
             "no daemon answers at " + options.endpoint + " within " +
-                std::to_string(options.timeout.count()) +
-                " ms: " + (reach.text.empty() ? "it is there, but does not reply" : reach.text),
+                std::to_string(options.timeout.count()) + " ms: " +
+                (reach.text.empty() ? "the daemon is there, but does not reply" : reach.text),
             reach.obstacle};
   }
 };
@@ -141,7 +141,7 @@ CallStatus Control::CallOne(v1::Request& request, v1::Reply* reply) {
       if (!ReadLastPart(impl.socket, part)) continue;
       if (!reply->ParseFromArray(part.data(), static_cast<int>(part.size()))) {
         return {CallStatus::Kind::kGarbled, v1::CODE_OK,
-                "what answers at " + impl.options.endpoint + " is not a styled daemon"};
+                "the program at " + impl.options.endpoint + " is not a styled daemon"};
       }
       if (reply->id() == request.id()) break;
       // A daemon that could not parse the request replies with id 0; any other id belongs to an
@@ -158,6 +158,15 @@ CallStatus Control::CallOne(v1::Request& request, v1::Reply* reply) {
           reply->reason().empty() ? CodeName(reply->code()) : reply->reason()};
 }
 
+// Calls, and moves the part of the reply that `of` gives into `out`, which may be null.
+template <typename Out>
+CallStatus Control::Ask(v1::Request& request, Out* (v1::Reply::*of)(), Out* out) {
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap((reply.*of)());
+  return status;
+}
+
 CallStatus Control::Change(v1::Request& request, std::string_view performer, Applied* applied) {
   request.set_performer(performer.data(), performer.size());
   v1::Reply reply;
@@ -171,19 +180,13 @@ CallStatus Control::Change(v1::Request& request, std::string_view performer, App
 CallStatus Control::List(v1::ListReply* out) {
   v1::Request request;
   request.mutable_list();
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_list());
-  return status;
+  return Ask(request, &v1::Reply::mutable_list, out);
 }
 
 CallStatus Control::Status(v1::StatusReply* out) {
   v1::Request request;
   request.mutable_status();
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_status());
-  return status;
+  return Ask(request, &v1::Reply::mutable_status, out);
 }
 
 CallStatus Control::Set(std::string_view performer, const v1::Look& change, Applied* applied) {
@@ -231,10 +234,7 @@ CallStatus Control::Calibrate(std::string_view performer, const v1::Calibrate& c
   v1::Request request;
   request.set_performer(performer.data(), performer.size());
   *request.mutable_calibrate() = calibrate;
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_calibrate());
-  return status;
+  return Ask(request, &v1::Reply::mutable_calibrate, out);
 }
 
 CallStatus Control::Like(std::string_view performer, const v1::Like& like, v1::LikeReply* out,
@@ -253,19 +253,13 @@ CallStatus Control::Like(std::string_view performer, const v1::Like& like, v1::L
 CallStatus Control::ExportStyle(std::string_view name, v1::StyleFile* out) {
   v1::Request request;
   request.mutable_export_style()->set_name(std::string(name));
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_style_file());
-  return status;
+  return Ask(request, &v1::Reply::mutable_style_file, out);
 }
 
 CallStatus Control::ImportStyle(const v1::ImportStyle& file, v1::LikeReply* out) {
   v1::Request request;
   *request.mutable_import_style() = file;
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_like());
-  return status;
+  return Ask(request, &v1::Reply::mutable_like, out);
 }
 
 CallStatus Control::RenameStyle(std::string_view name, std::string_view to, Applied* applied) {
@@ -281,23 +275,28 @@ CallStatus Control::RemoveStyle(std::string_view name, Applied* applied) {
   return Change(request, "", applied);
 }
 
+CallStatus Control::Explain(std::string_view performer, const v1::Explain& which,
+                            v1::ExplainReply* out) {
+  v1::Request request;
+  request.set_performer(std::string(performer));
+  *request.mutable_explain() = which;
+  v1::Reply reply;
+  CallStatus status = Call(request, &reply);
+  if (status.ok() && out != nullptr) out->Swap(reply.mutable_explain());
+  return status;
+}
+
 CallStatus Control::Preview(std::string_view style, v1::PreviewReply* out) {
   v1::Request request;
   request.mutable_preview()->set_style(std::string(style));
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_preview());
-  return status;
+  return Ask(request, &v1::Reply::mutable_preview, out);
 }
 
 CallStatus Control::TakeCheckpoint(std::string_view performer, v1::Checkpoint* out) {
   v1::Request request;
   request.set_performer(std::string(performer));
   request.mutable_take_checkpoint();
-  v1::Reply reply;
-  CallStatus status = Call(request, &reply);
-  if (status.ok() && out != nullptr) out->Swap(reply.mutable_checkpoint());
-  return status;
+  return Ask(request, &v1::Reply::mutable_checkpoint, out);
 }
 
 CallStatus Control::RestoreCheckpoint(std::string_view performer, const v1::Checkpoint& checkpoint,
@@ -327,44 +326,10 @@ CallStatus Control::Panic(Applied* applied) {
 }
 
 std::string CodeName(v1::Code code) {
-  switch (code) {
-    case v1::CODE_OK:
-      return "OK";
-    case v1::CODE_MALFORMED:
-      return "MALFORMED";
-    case v1::CODE_UNKNOWN_COMMAND:
-      return "UNKNOWN_COMMAND";
-    case v1::CODE_UNKNOWN_STYLE:
-      return "UNKNOWN_STYLE";
-    case v1::CODE_UNKNOWN_PRESET:
-      return "UNKNOWN_PRESET";
-    case v1::CODE_UNKNOWN_PERFORMER:
-      return "UNKNOWN_PERFORMER";
-    case v1::CODE_OUT_OF_RANGE:
-      return "OUT_OF_RANGE";
-    case v1::CODE_PINNED:
-      return "PINNED";
-    case v1::CODE_UNAUTHORIZED:
-      return "UNAUTHORIZED";
-    case v1::CODE_TOO_LARGE:
-      return "TOO_LARGE";
-    case v1::CODE_BUSY:
-      return "BUSY";
-    case v1::CODE_NOT_READY:
-      return "NOT_READY";
-    case v1::CODE_BAD_POSE:
-      return "BAD_POSE";
-    case v1::CODE_UNKNOWN_CUE:
-      return "UNKNOWN_CUE";
-    case v1::CODE_NO_EXAMPLES:
-      return "NO_EXAMPLES";
-    case v1::CODE_NOT_KEPT:
-      return "NOT_KEPT";
-    case v1::CODE_STANDBY:
-      return "STANDBY";
-    default:
-      return "CODE_" + std::to_string(static_cast<int>(code));
-  }
+  const std::string& name = v1::Code_Name(code);  // "CODE_BUSY"; "" if it is not known
+  constexpr std::string_view kPrefix = "CODE_";
+  return name.empty() ? std::string(kPrefix) + std::to_string(static_cast<int>(code))
+                      : name.substr(kPrefix.size());
 }
 
 std::string LayersText(const v1::PerformerStats& performer) {

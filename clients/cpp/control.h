@@ -51,8 +51,8 @@ class [[nodiscard]] CallStatus {
 using Applied = std::vector<v1::Applied>;
 
 struct ControlOptions {
-  // Of two daemons that stand in for each other both, with a comma: what one of them does not
-  // answer, or refuses as the standby, the other one is asked.
+  // For a pair with a standby, both addresses, with a comma: a request that one of them does not
+  // answer, or refuses as the standby, is sent to the other.
   std::string endpoint = std::string(kDefaultControl);
   // Per call, >= 1 ms. Without a reply, a call takes up to 500 ms more to find out why.
   std::chrono::milliseconds timeout{2000};
@@ -70,8 +70,8 @@ struct ControlOptions {
 // One thread at a time. Allocates. Pinned by tests/unit/clients/control_test.cpp.
 class Control {
  public:
-  // Connects in the background; it is no error if no daemon is there yet. Refuses an endpoint that
-  // ZeroMQ cannot parse, a timeout < 1 ms, and invalid keys.
+  // Connects in the background; a missing daemon is not an error. Refuses an endpoint that ZeroMQ
+  // cannot parse, a timeout < 1 ms, and invalid keys.
   static Result<std::unique_ptr<Control>> Connect(const ControlOptions& options);
   ~Control();
   Control(const Control&) = delete;
@@ -90,22 +90,24 @@ class Control {
   CallStatus Reset(std::string_view performer, Applied* applied = nullptr);
   CallStatus Calibrate(std::string_view performer, const v1::Calibrate& calibrate,
                        v1::CalibrateReply* out = nullptr);
-  // Makes a style of an example, for all clients; with `performer` "" nobody moves in it yet.
+  // Makes a style from an example, for all clients; with `performer` "" no performer is set to it.
   CallStatus Like(std::string_view performer, const v1::Like& like, v1::LikeReply* out = nullptr,
                   Applied* applied = nullptr);
-  // Of styles that Like or an import has made.
+  // For styles that Like or an import has made.
   CallStatus ExportStyle(std::string_view name, v1::StyleFile* out);
   CallStatus ImportStyle(const v1::ImportStyle& file, v1::LikeReply* out = nullptr);
   CallStatus RenameStyle(std::string_view name, std::string_view to, Applied* applied = nullptr);
   CallStatus RemoveStyle(std::string_view name, Applied* applied = nullptr);
+  // What became of a performer's last frames, and why.
+  CallStatus Explain(std::string_view performer, const v1::Explain& which, v1::ExplainReply* out);
   // A small moving figure of any style.
   CallStatus Preview(std::string_view style, v1::PreviewReply* out);
-  // A performer's state, for this daemon or another one (checkpoint.proto). With `performer` ""
-  // they are restored under their own name.
+  // A performer's state, for this daemon or another one (checkpoint.proto). With `performer` "" it
+  // is restored under its own name.
   CallStatus TakeCheckpoint(std::string_view performer, v1::Checkpoint* out);
   CallStatus RestoreCheckpoint(std::string_view performer, const v1::Checkpoint& checkpoint,
                                Applied* applied = nullptr);
-  // To a standby: it leads from now on.
+  // To a standby: makes it the leader.
   CallStatus Lead();
   // `name`: a cue of the daemon's configuration.
   CallStatus Cue(std::string_view name, Applied* applied = nullptr);
@@ -120,13 +122,15 @@ class Control {
   CallStatus CallOne(v1::Request& request, v1::Reply* reply);
   explicit Control(std::unique_ptr<Impl> impl);
   CallStatus Change(v1::Request& request, std::string_view performer, Applied* applied);
+  template <typename Out>
+  CallStatus Ask(v1::Request& request, Out* (v1::Reply::*of)(), Out* out);
   std::unique_ptr<Impl> impl_;
 };
 
 // "UNKNOWN_STYLE" for CODE_UNKNOWN_STYLE; "CODE_<number>" for a code of a newer daemon.
 std::string CodeName(v1::Code code);
 
-// The parts that other sources give to the performer: "face: phone (live), fingers: gloves
+// The parts that other sources provide for the performer: "face: phone (live), fingers: gloves
 // (silent)"; "": none.
 std::string LayersText(const v1::PerformerStats& performer);
 

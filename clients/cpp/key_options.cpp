@@ -8,7 +8,8 @@ namespace styled::client {
 
 void Declare(CLI::App& app, KeyOptions& options) {
   app.add_option("--key", options.key,
-                 "own pair of keys, a file of stylectl keygen: for a daemon on another machine")
+                 "file with the client's own pair of keys (stylectl keygen), for a daemon on "
+                 "another machine")
       ->envname("STYLED_KEY");
   app.add_option("--server-key", options.server_key,
                  "that daemon's public key, or a file that holds it (its server.pub)")
@@ -25,10 +26,11 @@ std::string Advice(Obstacle obstacle, Peer peer) {
       return "an endpoint is tcp://HOST:PORT or ipc://PATH, e.g. the daemon's " + section +
              ".address";
     case Obstacle::kNoEntry:
-      return "root adds a user to a group: usermod -aG GROUP USER; it counts from their next login "
+      return "root adds a user to a group: usermod -aG GROUP USER; it takes effect at their next "
+             "login "
              "on";
     case Obstacle::kAsksForKeys:
-      return "it wants --key and --server-key (STYLED_KEY, STYLED_SERVER_KEY); stylectl keygen "
+      return "it needs --key and --server-key (STYLED_KEY, STYLED_SERVER_KEY); stylectl keygen "
              "makes the first, server.pub in the daemon's folder of keys is the second";
     case Obstacle::kAsksForNone:
       return "leave out --key and --server-key (STYLED_KEY, STYLED_SERVER_KEY)";
@@ -52,10 +54,10 @@ std::string Advice(Obstacle obstacle, Peer peer) {
 Result<std::optional<Curve>> ReadKeys(const KeyOptions& options) {
   if (options.key.empty() && options.server_key.empty()) return std::optional<Curve>();
   if (options.key.empty()) {
-    return Status::Error("--server-key: expected --key FILE beside it (stylectl keygen FILE)");
+    return Status::Error("--server-key: expected also --key FILE (stylectl keygen FILE)");
   }
   if (options.server_key.empty()) {
-    return Status::Error("--key: expected --server-key KEY beside it, the daemon's public key");
+    return Status::Error("--key: expected also --server-key KEY, the daemon's public key");
   }
   const auto pair = keys::ReadPair(options.key);
   if (!pair.ok()) return Status::Error("--key " + pair.status().message());

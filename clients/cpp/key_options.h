@@ -22,8 +22,7 @@ struct KeyOptions {
 // Adds --key and --server-key. Defaults: STYLED_KEY and STYLED_SERVER_KEY of the environment.
 void Declare(CLI::App& app, KeyOptions& options);
 
-// What the user of a program can do about `obstacle`: one sentence without a full stop, or a
-// question. "" for kNone.
+// The user's remedy for `obstacle`: one sentence without a full stop, or a question. "" for kNone.
 std::string Advice(Obstacle obstacle, Peer peer);
 
 // Empty if neither option is given. Errors name the option and the file.

@@ -59,7 +59,7 @@ int Links::Count() {
   try {
     ReadEvents();
   } catch (const zmq::error_t&) {
-    // What is known counts.
+    // The former state is used.
   }
   return static_cast<int>(live_.size());
 }
@@ -78,7 +78,7 @@ void Links::RenewDead() {
     try {
       socket_->disconnect(endpoint);
     } catch (const zmq::error_t&) {
-      // libzmq has forgotten it already.
+      // libzmq has already dropped it.
     }
     socket_->connect(endpoint);
   }

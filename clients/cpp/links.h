@@ -7,23 +7,22 @@
 
 namespace styled::client {
 
-// The connections of one SUB socket to its endpoints: counts those that are live, and makes anew
-// those that are dead. libzmq connects again by itself to an address where nobody listens, but
-// gives up one that breaks the protocol, although a daemon may come there later. One thread, the
-// socket's.
+// The connections of one SUB socket to its endpoints: counts the live ones, and reconnects the dead
+// ones. libzmq reconnects by itself to an address where no program listens, but gives up a peer
+// that breaks the protocol, although a daemon may start there later. One thread, the socket's.
 class Links {
  public:
   // Call before the socket connects. Throws zmq::error_t.
   void Watch(zmq::context_t& context, zmq::socket_t& socket, std::vector<std::string> endpoints);
   // Endpoints with a live connection.
   int Count();
-  // Call while nothing arrives. Of several endpoints those that are live stay as they are; of
-  // names, which libzmq's events do not tell, none is made anew while another is live. Throws
-  // zmq::error_t.
+  // Call while nothing arrives. With several endpoints the live ones stay as they are. Endpoints
+  // with host names, which libzmq's events do not identify, are only reconnected while none is
+  // live. Throws zmq::error_t.
   void RenewDead();
 
-  static constexpr std::chrono::milliseconds kLook{500};    // how often RenewDead looks
-  static constexpr std::chrono::milliseconds kRenew{2000};  // so long one waits for libzmq
+  static constexpr std::chrono::milliseconds kLook{500};    // interval of RenewDead
+  static constexpr std::chrono::milliseconds kRenew{2000};  // libzmq gets this long to connect
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -163,7 +163,7 @@ Reach OpenPath(const std::string& path, Connection& connection) {
     if (errno == EACCES) return NoEntry(path);
     return {Obstacle::kNoFile, "there is no " + path + Because(errno)};
   }
-  if (!S_ISSOCK(about.st_mode)) return {Obstacle::kNoSocket, path + " is no socket"};
+  if (!S_ISSOCK(about.st_mode)) return {Obstacle::kNoSocket, path + " is not a socket"};
   std::memcpy(address.sun_path, path.data(), path.size());
   const int error =
       connection.Connect(AF_UNIX, reinterpret_cast<const sockaddr*>(&address), sizeof address);
@@ -205,7 +205,7 @@ Reach OpenHost(const std::string& host_and_port, Connection& connection) {
 // The peer's greeting (rfc.zeromq.org/spec/23, ZMTP 3): 10 bytes of signature, the version, and 20
 // bytes with the mechanism's name. The peer sends it as soon as it has read our version.
 constexpr std::string_view kSignature("\xFF\0\0\0\0\0\0\0\x01\x7F\x03\0", 12);
-constexpr char kNotZmtp[] = "what listens there does not speak ZeroMQ";
+constexpr char kNotZmtp[] = "the program there does not speak ZeroMQ";
 constexpr std::size_t kMechanismAt = 12, kMechanismSize = 20, kGreeting = 64;
 
 // The rest of our greeting, with the mechanism NULL.
@@ -329,17 +329,16 @@ Reach ExamineKeys(const std::string& endpoint, Peer peer, const Curve& curve,
   const Shake shake = TryKeys(endpoint, own, curve, half);
   if (shake == Shake::kDone) return {};
   if (shake == Shake::kNothing) {
-    return {Obstacle::kNotZeroMq, "what listens there does not continue the handshake"};
+    return {Obstacle::kNotZeroMq, "the program there does not continue the handshake"};
   }
   if (shake == Shake::kRefused) {
-    return {Obstacle::kWrongKeys, "its key is another one than the server's key given"};
+    return {Obstacle::kWrongKeys, "its key differs from the given server key"};
   }
   if (TryKeys(endpoint, other, curve, deadline) == Shake::kDone) {
-    return {Obstacle::kOtherSocket,
-            "what listens there is the daemon's, but not its " + Name(peer)};
+    return {Obstacle::kOtherSocket, "this is a socket of the daemon, but not its " + Name(peer)};
   }
   return {Obstacle::kNotLetIn,
-          "the server's key is the right one, but it does not let this client's key in (" +
+          "the server's key is correct, but it does not accept this client's key (" +
               curve.public_key + ")"};
 }
 
@@ -359,14 +358,14 @@ Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& 
   if (read.size() < kGreeting) {
     return {Obstacle::kNotZeroMq,
             read.empty() && !connection.closed()
-                ? "what listens there says nothing: it does not speak ZeroMQ, or hangs"
+                ? "the program there sends nothing: it does not speak ZeroMQ, or hangs"
                 : kNotZmtp};
   }
   const std::string_view mechanism(read.data() + kMechanismAt, kMechanismSize);
   const bool asks = mechanism.starts_with("CURVE");
   if (asks && !curve) return {Obstacle::kAsksForKeys, "it requires keys, and none were given"};
   if (!asks && curve) {
-    return {Obstacle::kAsksForNone, "it asks for no keys, and some were given"};
+    return {Obstacle::kAsksForNone, "it uses no keys, and some were given"};
   }
   if (asks) return ExamineKeys(endpoint, peer, *curve, deadline);
   connection.Send(RestOfGreeting());
@@ -377,8 +376,8 @@ Reach Greet(const std::string& endpoint, Peer peer, const std::optional<Curve>& 
   if (connection.TooMuch()) return {Obstacle::kNotZeroMq, kNotZmtp};
   const bool right = peer == Peer::kControl ? type == "ROUTER" : type == "XPUB" || type == "PUB";
   if (right || type.empty()) return {};
-  return {Obstacle::kOtherSocket, "what listens there is " + Article(type) + type +
-                                      " socket of ZeroMQ, not the daemon's " + Name(peer)};
+  return {Obstacle::kOtherSocket,
+          "this is " + Article(type) + type + " socket of ZeroMQ, not the daemon's " + Name(peer)};
 }
 
 }  // namespace

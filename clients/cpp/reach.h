@@ -14,7 +14,7 @@ namespace styled::client {
 // The daemon's socket that the client connects to.
 enum class Peer { kControl, kPublisher };
 
-// What prevents a client from reaching a daemon's socket.
+// The obstacle between a client and a daemon's socket.
 enum class Obstacle {
   kNone,         // nothing: the handshake succeeds
   kBadEndpoint,  // the endpoint is malformed

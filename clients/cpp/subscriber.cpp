@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <map>
-#include <set>
 #include <utility>
 #include <zmq.hpp>
 
@@ -96,7 +94,7 @@ Origin OriginOf(std::string_view topic) {
 // two to four seconds. Only differences are used, so the clocks of two machines need not agree.
 class Lag {
  public:
-  std::int64_t Take(std::uint64_t published_ns, std::int64_t now_ns) {
+  std::int64_t Measure(std::uint64_t published_ns, std::int64_t now_ns) {
     const std::int64_t way_ns = now_ns - static_cast<std::int64_t>(published_ns);
     if (!started_ || now_ns - turned_ns_ >= kTurn_ns) {
       // After a longer silence, the last known shortest transit remains valid.
@@ -143,7 +141,7 @@ struct Subscriber::Impl {
   SubscriberCounters counters;
   std::map<std::string, StreamState, std::less<>> streams;  // by topic
   std::map<std::string, std::vector<std::shared_ptr<const v1::Body>>, std::less<>> bodies;
-  std::string bundled_topic;  // of a frame of a bundle: where it would be alone
+  std::string bundled_topic;  // of a bundle's frame: its topic outside the bundle
   std::map<std::string, std::size_t, std::less<>> newest;  // ReceiveLatest: topic to index in `out`
   std::string last_topic;                                  // of the last accepted frame
   std::int64_t lag_ns = 0;                                 // of the last accepted frame
@@ -272,7 +270,7 @@ bool Subscriber::Impl::Accept(Update& out) {
       ++counters.malformed;
       return false;
     }
-    // Of two daemons that stand in for each other the leader's count.
+    // For a pair with a standby, the leader's count.
     if (options.endpoints.size() > 1 && out.statistics.standby().role() == "following") {
       return false;
     }
@@ -344,7 +342,7 @@ bool Subscriber::Impl::AcceptFrame(const Origin& origin, std::string_view name, 
   return AcceptParsed(origin, name, out);
 }
 
-// As the frame would be accepted on its own topic.
+// As if the frame had arrived on its own topic.
 bool Subscriber::Impl::AcceptBundled(Update& out) {
   const v1::Frame& frame = out.frame;
   out.frame.Swap(frames.mutable_frames(next_frame++));
@@ -383,8 +381,8 @@ bool Subscriber::Impl::AcceptParsed(const Origin& origin, std::string_view name,
   out.skipped = 0;
   out.new_epoch = state.started && !same_epoch;
   if (!same_epoch) state.lag = Lag();
-  lag_ns = state.lag.Take(frame.publish_time_ns(),
-                          Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+  lag_ns = state.lag.Measure(frame.publish_time_ns(),
+                             Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
   state.started = true;
   state.epoch = frame.epoch();
   state.sequence = frame.sequence();
@@ -495,8 +493,8 @@ int Subscriber::ReceiveLatest(milliseconds timeout, std::vector<Update>& out) {
       ++count;
       continue;
     }
-    // The newer update takes the slot of the older one. What the older frame reported as missed or
-    // skipped was lost before the newer one, too.
+    // The newer update takes the slot of the older one. The losses that the older frame reported
+    // (missed, skipped) are losses before the newer one, too.
     const Update& superseded = out[older];
     if (update.kind == Update::Kind::kFrame) {
       out[count].missed += superseded.missed;

@@ -27,20 +27,20 @@ enum class Stream {
 };
 
 struct SubscriberOptions {
-  // At least one. With several daemons, the ids of their performers must differ, but for two that
-  // stand in for each other (daemon/standby/README.md): of those, each frame comes once. One entry
-  // may hold several, with commas.
+  // At least one. With several daemons, the ids of their performers must differ. The exception is a
+  // pair with a standby (daemon/standby/README.md): each frame is delivered once. One entry may
+  // hold several, with commas.
   std::vector<std::string> endpoints = {std::string(kDefaultPublisher)};
   std::string performer;  // SOURCE.NAME; "" = all, including those that appear later
   std::vector<Stream> streams = {Stream::kStyledRig};  // empty: bodies and statistics only
   // The [[output]]s to listen to, by name ([A-Za-z0-9_-]{1,32}). Each is one more stream, of kind
   // kAvatar; kAvatar must not appear in `streams`.
   std::vector<std::string> avatars;
-  bool every_avatar = false;  // also every [[output]] whose body comes, named in `avatars` or not
+  bool every_avatar = false;  // also every [[output]] whose body arrives, named in `avatars` or not
   bool keep_bytes = false;    // Update::bytes, for programs that pass messages on
-  // Frames of all performers in one message per cycle of the daemon (WIRE.md, "frames/"): for who
-  // shows many at once. `performer` must be "". Avatars' frames come as ever. Needs a daemon that
-  // has these topics; an older one sends nothing.
+  // Frames of all performers in one message per cycle of the daemon (WIRE.md, "frames/"), for
+  // clients that show many at once. `performer` must be "". Avatars' frames arrive as usual. Needs
+  // a daemon that has these topics; an older one sends nothing.
   bool bundled = false;
   bool statistics = false;    // Stats, once per second
   int queue_messages = 1000;  // queue of this process; when it is full, the newest are dropped; > 0
@@ -64,7 +64,7 @@ struct Update {
   std::uint64_t missed = 0;   // frames of this stream lost in transit directly before this one
   std::uint64_t skipped = 0;  // ReceiveLatest only: older frames that this one superseded
   bool new_epoch = false;     // the daemon restarted since the previous frame of this stream
-  std::string bytes;  // the payload as received, of a bundle the frame alone; only with keep_bytes
+  std::string bytes;  // the payload as received, for a bundle the frame alone; only with keep_bytes
   v1::Stats statistics;
 };
 
@@ -91,7 +91,7 @@ class Subscriber {
  public:
   // Refuses: no endpoint, an endpoint that ZeroMQ cannot parse, a performer that is not
   // SOURCE.NAME, an invalid avatar name, kAvatar in `streams`, `bundled` with a performer,
-  // queue_messages < 1, and invalid keys. It is no error if no daemon listens there yet.
+  // queue_messages < 1, and invalid keys. A missing daemon is not an error.
   static Result<std::unique_ptr<Subscriber>> Connect(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(const Subscriber&) = delete;

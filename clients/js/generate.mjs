@@ -19,7 +19,7 @@ execFileSync(
     `--plugin=protoc-gen-es=${plugin}`,
     `--es_out=${out}`,
     '--es_opt=target=ts,import_extension=js',
-    ...['body', 'checkpoint', 'frame', 'look', 'stats', 'control'].map((name) => `proto/styled/v1/${name}.proto`),
+    ...['body', 'checkpoint', 'fate', 'frame', 'look', 'stats', 'control'].map((name) => `proto/styled/v1/${name}.proto`),
   ],
   { stdio: 'inherit', cwd: root },
 );

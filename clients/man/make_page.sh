@@ -1,7 +1,7 @@
 #!/bin/sh
 # make_page.sh PROGRAM PAGE VERSION: prints the page as input for scdoc. @VERSION@ becomes VERSION;
 # the line @OPTIONS@ becomes the --help of PROGRAM and of each of its commands; a line @OPTIONS words@
-# what PROGRAM says to the words and --help that it does not say to --help alone; a line @FILE path@
+# becomes the lines that `PROGRAM words --help` prints and `PROGRAM --help` does not; a line @FILE path@
 # becomes that file.
 set -eu
 program=$1 page=$2 version=$3

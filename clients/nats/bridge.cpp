@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Messages that one Step passes on at most, so that its caller gets its turn.
+// The most messages that one Step passes on, so that its caller is not blocked.
 constexpr int kMaxBurst = 1000;
 
 std::string_view StreamName(const client::Update& update) {
@@ -120,17 +120,18 @@ void Bridge::Pass(const client::Update& update) {
   }
   PassBody(update, stream);
   queue_.Push(frame.performer(), stream, update.bytes, frame.epoch(), frame.sequence());
-  if (update.stream != client::Stream::kStyledCanonical || !tier_.Takes(frame.performer())) return;
+  if (update.stream != client::Stream::kStyledCanonical || !tier_.Picks(frame.performer())) return;
   ++audience_;
   queue_.Push(frame.performer(), kAudienceStream, update.bytes, frame.epoch(), frame.sequence());
 }
 
-// A recording has to have the bodies of its frames: the bucket, in memory, may be gone by then.
+// A recording must contain the bodies of its frames, because the bucket is in memory and may be
+// gone by then.
 void Bridge::PassBody(const client::Update& update, std::string_view stream) {
   if (!update.body || !beat_.IsDue(update.frame.performer(), stream, update.body->hash())) return;
   const std::string bytes = update.body->SerializeAsString();
   queue_.PushBody(update.frame.performer(), stream, bytes);
-  // A body that comes back after another one is not told of again (client::Update::Kind::kBody).
+  // A body that returns after another one is not reported again (client::Update::Kind::kBody).
   store_->Put(BodyKey(site_, update.frame.performer(), stream), bytes);
 }
 
@@ -141,7 +142,7 @@ void Bridge::Keep(const client::Update& update) {
 }
 
 void Bridge::KeepPerformers(const v1::Stats& statistics) {
-  if (statistics.standby().role() == "following") return;  // the leader's bridge keeps them
+  if (statistics.standby().role() == "following") return;  // the leader's bridge writes them
   std::set<std::string> gone = std::exchange(performers_, {});
   for (const v1::PerformerStats& performer : statistics.performers()) {
     if (!client::IsPerformerId(performer.performer())) continue;
@@ -187,6 +188,6 @@ Totals Bridge::totals() const {
   return t;
 }
 
-bool Bridge::TakeRefusedOutput() { return output_refused_ && !std::exchange(refusal_taken_, true); }
+bool Bridge::NextRefusedOutput() { return output_refused_ && !std::exchange(refusal_taken_, true); }
 
 }  // namespace styled::stylenats

@@ -7,7 +7,6 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "clients/cpp/control.h"
 #include "clients/cpp/subscriber.h"
@@ -24,7 +23,7 @@ struct Options {
   std::string publisher = std::string(client::kDefaultPublisher);
   std::string control = std::string(client::kDefaultControl);
   std::optional<client::Curve> curve;  // for a daemon that requires keys
-  std::string site;                    // 1 to kMaxSite bytes; the first token behind "styled."
+  std::string site;                    // 1 to kMaxSite bytes; the first token after "styled."
   std::string domain;                  // of JetStream; "": the account's own
   LinkOptions link;
 };
@@ -37,7 +36,7 @@ struct Totals {
   std::uint64_t replaced = 0, refused = 0, disconnected = 0, too_large = 0, failed = 0;
   std::uint64_t stalled = 0, longest_call_us = 0;
   std::uint64_t missed = 0;     // lost between daemon and this program
-  std::uint64_t malformed = 0;  // messages of the daemon that were none
+  std::uint64_t malformed = 0;  // invalid messages of the daemon
   std::uint64_t written = 0, unwritten = 0, unkept = 0;
   std::uint64_t requests = 0, unanswered = 0, unsent_replies = 0;
   bool operator==(const Totals&) const = default;
@@ -52,13 +51,14 @@ struct Totals {
 class Bridge {
  public:
   // Errors: endpoints, keys and addresses that cannot be parsed, files that cannot be read. Neither
-  // daemon nor broker need be there.
+  // daemon nor broker need to be running.
   static Result<std::unique_ptr<Bridge>> Open(const Options& options);
   ~Bridge();
 
-  // Waits up to `timeout` for messages of the daemon and passes on all that have come.
+  // Waits up to `timeout` for messages of the daemon and passes on all that have arrived.
   void Step(std::chrono::milliseconds timeout);
-  // Sends and flushes what waits; takes up to `patience`, or until a call of libnats returns (1 s).
+  // Sends and flushes the waiting messages; takes up to `patience`, or until a call of libnats
+  // returns (1 s).
   void Stop(std::chrono::milliseconds patience);
 
   Totals totals() const;
@@ -66,9 +66,9 @@ class Bridge {
   FrameQueue& queue() { return queue_; }
   StateStore& store() { return *store_; }
   int connected() { return subscriber_->connected(); }  // daemons: 0 or 1
-  // True once, after frames of an [[output]] came that has the audience tier's name: it is not
+  // True once, after frames of an [[output]] with the audience tier's name arrived: it is not
   // passed on.
-  bool TakeRefusedOutput();
+  bool NextRefusedOutput();
 
  private:
   explicit Bridge(std::string site) : site_(std::move(site)), queue_(site_) {}
@@ -92,8 +92,8 @@ class Bridge {
   std::unique_ptr<Sender> sender_;
 };
 
-// What of a performer's statistics is kept in the bucket: what describes them and their style, not
-// what changes from second to second (rates, latencies, counts).
+// The part of a performer's statistics that is stored in the bucket: the description of the
+// performer and the style, not values that change every second (rates, latencies, counts).
 v1::PerformerStats Lasting(const v1::PerformerStats& performer);
 
 }  // namespace styled::stylenats

@@ -30,29 +30,29 @@ struct Arguments {
 void Declare(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", "stylenats " STYLED_VERSION);
   app.add_option("--site", a.options.site,
-                 "name of this daemon's place, the first token behind styled. in all subjects; one "
+                 "name of this daemon's site, the first token after styled. in all subjects; one "
                  "stylenats for each")
       ->required();
   app.add_flag("--join", a.join,
-               "the other end: publish on this machine, at --publish and --control, what NATS "
-               "brings of the site, for programs that read a daemon");
+               "the other end: publish on this machine, at --publish and --control, the site's "
+               "messages from NATS, for programs that read a daemon");
   stylenats::Declare(app,
                      "a broker, nats://HOST:PORT or tls://HOST:PORT: a leaf server that no viewer "
                      "uses; again for more, the first that answers is used",
                      a.options.link, a.login);
   app.add_option("--domain", a.options.domain,
-                 "JetStream domain of the bucket 'styled', where it is not the account's own");
+                 "JetStream domain of the bucket 'styled', if it is not the account's own");
   app.add_option("--publish", a.options.publisher,
-                 "the daemon's publisher; with --join where to listen, of this machine alone")
+                 "the daemon's publisher; with --join the address to listen on, local only")
       ->envname("STYLED_PUBLISHER")
       ->capture_default_str();
   app.add_option("--control", a.options.control,
-                 "the daemon's control socket; with --join where to listen")
+                 "the daemon's control socket; with --join the address to listen on")
       ->envname("STYLED_CONTROL")
       ->capture_default_str();
   client::Declare(app, a.keys);
   app.add_option("--stats-every", a.stats_every_s,
-                 "seconds between two lines of counters, printed where they changed; 0: none")
+                 "seconds between two lines of counters, printed when they changed; 0: none")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--seconds", a.seconds, "end by itself; 0: never")->check(CLI::Range(0.0, 1e9));
@@ -109,16 +109,16 @@ int Pass(const Arguments& a, Bridge& bridge, const std::atomic<bool>& stop, std:
   return closed ? kExitFailed : kExitOk;
 }
 
-// Prints what changed. True: the broker refuses us for good.
+// Prints the changes. Returns true if the broker refuses us for good.
 bool PrintNews(const Arguments& a, Relay& relay, std::ostream& err) {
   bool closed = false;
   for (const LinkEvent& event : relay.link().Events()) {
     err << "stylenats: "
-        << EventText(event, BrokersText(a.options.link), "; nothing comes until it is back", "")
+        << EventText(event, BrokersText(a.options.link), "; nothing arrives until it is back", "")
         << std::endl;
     closed = closed || event.kind == LinkEvent::Kind::kClosed;
   }
-  const std::string error = relay.TakeError();
+  const std::string error = relay.NextError();
   if (!error.empty()) err << "stylenats: KV: " << error << std::endl;
   return closed;
 }

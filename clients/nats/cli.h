@@ -14,7 +14,7 @@ enum ExitCode : int {
 };
 
 // Runs stylenats inside the calling process; `arguments` are those after argv[0]. Runs until `stop`
-// is set; counters go to `out`, what happens to the connections and errors to `err`. Pinned by
+// is set; counters go to `out`, events of the connections and errors to `err`. Pinned by
 // tests/unit/nats/cli_test.cpp and tests/e2e/nats.
 int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::ostream& out,
         std::ostream& err);

@@ -7,7 +7,7 @@
 namespace styled::stylenats {
 namespace {
 
-constexpr std::int64_t kGlance_ms = 100;  // between two looks whether the program ends
+constexpr std::int64_t kGlance_ms = 100;  // interval of the checks whether the program ends
 // Requests that wait in libnats: as many as the asker takes, of the largest size twice.
 constexpr int kMaxWaiting = 64, kMaxWaitingBytes = 20 << 20;
 
@@ -40,7 +40,7 @@ Commands::~Commands() {
   natsSubscription_Destroy(subscription_);
 }
 
-// Before the first connection, too: libnats subscribes once there is one. It fails only where the
+// Also before the first connection: libnats subscribes once there is one. It fails only if the
 // connection is closed for good, which ends the program.
 bool Commands::Subscribed() {
   if (subscription_ != nullptr) return true;
@@ -76,7 +76,7 @@ void Commands::Ask(const std::string& reply_to, const char* bytes, int size) {
   v1::Request request;
   if (!request.ParseFromArray(bytes, size)) {
     return Answer(reply_to,
-                  Refusal(0, v1::CODE_MALFORMED, "the payload is no Request of control.proto"));
+                  Refusal(0, v1::CODE_MALFORMED, "the payload is not a Request of control.proto"));
   }
   const std::uint64_t id = request.id();
   const bool taken = asker_->Ask(
@@ -87,7 +87,7 @@ void Commands::Ask(const std::string& reply_to, const char* bytes, int size) {
           reply = Refusal(reply.id(), v1::CODE_BUSY, status.reason());
         } else if (reply.code() == v1::CODE_STANDBY ||
                    reply.status().stats().standby().role() == "following") {
-          ++counts_.left;  // the daemon that leads has a bridge of its own, which answers
+          ++counts_.left;  // the leading daemon has a bridge of its own, which answers
           return;
         }
         Answer(reply_to, reply);
@@ -105,7 +105,7 @@ void Commands::Answer(const std::string& reply_to, const v1::Reply& reply) {
     ++counts_.too_large;
     bytes = Refusal(reply.id(), v1::CODE_TOO_LARGE,
                     "the daemon's reply has " + std::to_string(bytes.size()) +
-                        " bytes, the broker takes " + std::to_string(limit) + " (max_payload)")
+                        " bytes, the broker accepts " + std::to_string(limit) + " (max_payload)")
                 .SerializeAsString();
   }
   if (!link_.connected() || natsConnection_Publish(link_.get(), reply_to.c_str(), bytes.data(),

@@ -15,12 +15,13 @@
 namespace styled::stylenats {
 
 // Answers requests at "styledctl.SITE": the payload is a Request (proto/styled/v1/control.proto),
-// the answer a Reply. Requests go to the daemon's control socket, with the keys that were given,
-// and the daemon decides on them; NATS' permissions decide who may ask at all. What the daemon does
-// not answer is answered here, with an error that names what failed: CODE_BUSY without an answer of
-// the daemon, CODE_MALFORMED, CODE_TOO_LARGE for an answer above the broker's max_payload.
+// the answer a Reply. Requests go to the daemon's control socket, with the given keys, and the
+// daemon decides on them; NATS' permissions decide which users may send them. Requests without an
+// answer of the daemon are answered here, with an error that names the failure: CODE_BUSY without
+// an answer of the daemon, CODE_MALFORMED, CODE_TOO_LARGE for an answer above the broker's
+// max_payload.
 //
-// Reads on a thread of its own; the daemon is asked on the asker's threads.
+// Reads on a thread of its own; the requests run on the asker's threads.
 class Commands {
  public:
   // Totals since the start; any thread.

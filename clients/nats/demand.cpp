@@ -53,7 +53,7 @@ std::set<std::string> Demand::Subjects() const {
   return performers;
 }
 
-bool Demand::Wants(std::string_view topic) const {
+bool Demand::IsSubscribed(std::string_view topic) const {
   return std::ranges::any_of(
       topics_, [topic](const std::string& wanted) { return topic.starts_with(wanted); });
 }

@@ -11,21 +11,21 @@ namespace styled::stylenats {
 // tests/unit/nats/demand_test.cpp.
 class Demand {
  public:
-  // More topics than that are asked for as one: all frames of the site.
+  // Beyond this number of topics, all frames of the site are requested.
   static constexpr std::size_t kMostSubjects = 256;
 
   explicit Demand(std::string site) : site_(std::move(site)) {}
 
-  // A topic as ZeroMQ's subscriptions have them: the beginning of those that are wanted
-  // (proto/styled/v1/WIRE.md). False: it was known, or unknown, already.
+  // A topic in the form of ZeroMQ's subscriptions: a prefix (proto/styled/v1/WIRE.md). False:
+  // nothing changed.
   bool Add(std::string_view topic) { return topics_.emplace(topic).second; }
   bool Remove(std::string_view topic) { return topics_.erase(std::string(topic)) > 0; }
 
   // None covers another, so that no message comes twice. Streams that are not passed on to NATS
   // (source/, frames/) need none.
   std::set<std::string> Subjects() const;
-  // Whether a message of that topic is wanted.
-  bool Wants(std::string_view topic) const;
+  // Whether a message of that topic has a subscriber.
+  bool IsSubscribed(std::string_view topic) const;
 
  private:
   std::string site_;

@@ -29,7 +29,7 @@ void FrameQueue::DropOldest(Slot& slot) {
   slot.bytes -= slot.waiting.front().payload.size();
   slot.waiting.pop_front();
   order_.erase(std::find(order_.begin(), order_.end(), &slot));
-  // A body that gives way to the next second's is no loss.
+  // A body that is replaced by the next second's does not count as lost.
   slot.replaced += slot.body ? 0 : 1;
   counts_.replaced += slot.body ? 0 : 1;
 }
@@ -44,7 +44,7 @@ FrameQueue::Pushed FrameQueue::Add(std::string_view performer, std::string_view 
     ++counts_.refused;
     return Pushed::kRefused;
   }
-  // The same body again: the one that waits comes sooner.
+  // The same body again: the waiting one leaves sooner.
   if (body && !slot->waiting.empty() && slot->waiting.back().payload == message.payload) {
     return Pushed::kReplaced;
   }
@@ -75,8 +75,8 @@ FrameQueue::Pushed FrameQueue::PushBody(std::string_view performer, std::string_
   return Add(performer, stream, true, {std::string(payload)}, now);
 }
 
-bool FrameQueue::Take(QueuedFrame& out, const std::stop_token& stop,
-                      std::chrono::milliseconds timeout) {
+bool FrameQueue::Pop(QueuedFrame& out, const std::stop_token& stop,
+                     std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   if (!wake_.wait_for(lock, stop, timeout, [this] { return !order_.empty(); })) return false;
   Slot& slot = *order_.front();
@@ -116,7 +116,7 @@ std::vector<std::pair<std::string, std::uint64_t>> FrameQueue::replaced() const 
   return rows;
 }
 
-bool AudienceTier::Takes(const std::string& performer) {
+bool AudienceTier::Picks(const std::string& performer) {
   if (counts_.size() >= kMaxPerformers && !counts_.contains(performer)) counts_.clear();
   return counts_[performer]++ % kStep == 0;
 }

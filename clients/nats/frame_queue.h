@@ -24,15 +24,15 @@ struct QueuedFrame {
   std::uint64_t epoch = 0, sequence = 0;  // of a frame
 };
 
-// Between the thread that reads ZeroMQ and the one that publishes, which may stand still for
-// seconds. It has a slot for each performer and stream, and one for the body of each. In a slot the
-// newest few frames wait, of bodies the newest two: where it is full, the oldest gives way to the
-// one that comes, and is counted. Messages go out in the order in which they came, so a body goes
-// before the frames that need it.
+// The queue between the thread that reads ZeroMQ and the one that publishes, which may block for
+// seconds. It has a slot for each performer and stream, and one for the body of each. A slot holds
+// the newest few frames, or the newest two bodies. When it is full, the oldest is replaced by the
+// arriving one, and counted. Messages leave in the order of arrival, so a body precedes the frames
+// that need it.
 //
-// Bounded whatever the daemon's names do: by slots and by bytes. When all slots are taken, a slot
-// that was not used for `idle` is given to the new stream; while all are in use, the frame is
-// refused and counted.
+// Bounded by slots and by bytes, for any names of the daemon. When all slots are in use, one that
+// was not used for `idle` is reassigned to the new stream; if there is none, the frame is refused
+// and counted.
 //
 // Any thread. Allocates. Pinned by tests/unit/nats/frame_queue_test.cpp.
 class FrameQueue {
@@ -63,14 +63,13 @@ class FrameQueue {
   Pushed PushBody(std::string_view performer, std::string_view stream, std::string_view payload,
                   Clock::time_point now = Clock::now());
 
-  // Waits for a message and removes the one that has waited longest. False when `stop` is requested
-  // and nothing waits, or after `timeout`.
-  bool Take(QueuedFrame& out, const std::stop_token& stop, std::chrono::milliseconds timeout);
+  // Waits for a message and removes the oldest. False when `stop` is requested and nothing waits,
+  // or after `timeout`.
+  bool Pop(QueuedFrame& out, const std::stop_token& stop, std::chrono::milliseconds timeout);
 
   std::size_t waiting() const;
   Counts counts() const;
-  // The subjects of which frames were replaced, most first, with the number since their slot was
-  // made.
+  // The subjects with replaced frames, most first, with the number since their slot was made.
   std::vector<std::pair<std::string, std::uint64_t>> replaced() const;
 
  private:
@@ -102,22 +101,22 @@ class FrameQueue {
   Counts counts_;
 };
 
-// Picks the frames of the audience tier: of each performer's canonical frames, as they come, the
-// first and then every fourth; of a rig of 120 Hz that is 30 Hz. It counts frames, not time and not
-// sequence numbers. One thread. Bounded: beyond kMaxPerformers all counts begin anew.
+// Picks the frames of the audience tier: of each performer's canonical frames, in order of arrival,
+// the first and then every fourth; for a rig of 120 Hz that is 30 Hz. It counts frames, not time
+// and not sequence numbers. One thread. Bounded: beyond kMaxPerformers all counts restart.
 class AudienceTier {
  public:
   static constexpr std::uint32_t kStep = 4;
   static constexpr std::size_t kMaxPerformers = 1024;
-  bool Takes(const std::string& performer);
+  bool Picks(const std::string& performer);
 
  private:
   std::unordered_map<std::string, std::uint32_t> counts_;
 };
 
-// Says when the body of a stream's frames is to be sent with them: before the first frame, when it
-// changes, and once a second, as a daemon repeats it. So whoever begins anywhere has a body within
-// a second of frames. One thread. Bounded: beyond kMaxStreams all begin anew.
+// Decides when the body of a stream's frames is sent with them: before the first frame, when it
+// changes, and once a second, as a daemon repeats it. A reader that starts anywhere therefore has a
+// body within a second of frames. One thread. Bounded: beyond kMaxStreams all streams restart.
 class BodyBeat {
  public:
   using Clock = FrameQueue::Clock;

@@ -14,7 +14,7 @@ constexpr int kPingsOut = 2;
 // Without it a broker that is stopped (SIGSTOP) holds the writer, and libnats' lock, for ever.
 constexpr std::int64_t kWriteDeadline_ms = 1000;
 constexpr std::int64_t kConnect_ms = 1000;
-constexpr std::int64_t kReconnectWait_ms = 200;  // frames are to be back within 2 s
+constexpr std::int64_t kReconnectWait_ms = 200;  // frames should be back within 2 s
 constexpr std::int64_t kReconnectJitter_ms = 50;
 // The smallest: 0 would mean 8 MB. Frames that waited for a broker are of no use.
 constexpr int kReconnectBuffer = 1;
@@ -37,8 +37,8 @@ std::string Address(natsConnection* connection) {
   return text;
 }
 
-// Users with an inbox prefix of their own cannot read each other's replies. A user whose name is no
-// token (of credentials, or with a dot) gets the common one.
+// Users with an inbox prefix of their own cannot read each other's replies. A user whose name is
+// not a token (of credentials, or with a dot) gets the common one.
 std::string InboxPrefix(const LinkOptions& options) {
   if (!options.inbox.empty()) return options.inbox;
   const bool token = std::all_of(options.user.begin(), options.user.end(), [](char c) {
@@ -48,8 +48,9 @@ std::string InboxPrefix(const LinkOptions& options) {
   return options.user.empty() || !token ? "_INBOX" : "_INBOX_" + options.user;
 }
 
-// How a first attempt to connect goes, and why it fails. The connection that tries again by itself
-// has forgotten that by the time it gives up, and tells nothing of certificates.
+// The progress of a first attempt to connect, and the reason of its failure. The connection that
+// retries by itself no longer has this information when it gives up, and reports nothing about
+// certificates.
 natsStatus Try(natsOptions* options, std::string& why) {
   natsConnection* connection = nullptr;
   const natsStatus status = natsConnection_Connect(&connection, options);
@@ -61,14 +62,15 @@ natsStatus Try(natsOptions* options, std::string& why) {
 
 }  // namespace
 
-// Shared with libnats' callbacks, which may come after the Link is gone: `self` is released by the
-// last of them.
+// Shared with libnats' callbacks, which may run after the Link is destroyed: `self` is released by
+// the last of them.
 struct Link::State {
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<LinkEvent> events;
   std::string last_error;
-  std::string refusal;  // of the first attempt; "": it was none. Written before the callbacks
+  std::string refusal;  // of the first attempt; "": it succeeded or was none. Written before the
+                        // callbacks
   std::atomic<std::uint64_t> generation{0};
   bool closed = false;
   std::shared_ptr<State> self;
@@ -183,7 +185,7 @@ Result<std::unique_ptr<Link>> Link::Open(const LinkOptions& options) {
       state->Add(LinkEvent::Kind::kAbsent, first == NATS_SSL_ERROR ? why : "");
     }
   } else {
-    state->self.reset();  // no callback comes
+    state->self.reset();  // no callback follows
     return Status::Error(std::string("--nats ") + options.servers.front() + ": " +
                          natsStatus_GetText(status));
   }
@@ -194,7 +196,7 @@ Link::~Link() {
   if (connection_ == nullptr) return;
   natsConnection_Close(connection_);
   {
-    // The callback that closes is the last one. It comes at once, on a thread of libnats.
+    // The callback that closes is the last one. It is called at once, on a thread of libnats.
     std::unique_lock lock(state_->mutex);
     state_->changed.wait_for(lock, std::chrono::seconds(1), [this] { return state_->closed; });
   }

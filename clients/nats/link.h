@@ -2,7 +2,6 @@
 
 #include <nats/nats.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -14,7 +13,7 @@
 
 namespace styled::stylenats {
 
-// Deletes what libnats has made, for std::unique_ptr: each of its types has a function of its own.
+// Deletes libnats' objects, for std::unique_ptr: each of its types has a function of its own.
 template <auto kDestroy>
 struct Destroys {
   template <typename T>
@@ -23,24 +22,24 @@ struct Destroys {
   }
 };
 
-// What happened to the connection.
+// An event of the connection.
 struct LinkEvent {
   enum class Kind {
-    kAbsent,  // no broker answers; said once, at the start. text: what is wrong with its TLS, or ""
+    kAbsent,        // no broker answers; reported once, at the start. text: the TLS error, or ""
     kConnected,     // for the first time; text: the address
     kDisconnected,  // text: why
     kReconnected,   // text: the address
     kClosed,        // the broker refuses us, and libnats gives up; text: why
-    kError,         // the broker complains, for example of a permission; text: what it says
+    kError,         // the broker reports an error, for example of a permission; text: its message
   };
   Kind kind = Kind::kAbsent;
   std::string text;
 };
 
-// The connection to the broker, one per process. It connects in the background, and again for ever.
-// A broker that answers no ping within 2 s, or that reads nothing for 1 s, counts as gone. Nothing
-// is kept for it meanwhile (but one message that meets the moment of the loss). Brokers that the
-// broker tells of are ignored: frames go to the leaf servers that were named, and to no other.
+// The connection to the broker, one per process. It connects in the background, and reconnects for
+// ever. A broker that answers no ping within 2 s, or that reads nothing for 1 s, counts as gone.
+// Nothing is stored for it meanwhile (except one message that is sent at the moment of the loss).
+// Other brokers that the broker announces are ignored: frames go only to the named leaf servers.
 class Link {
  public:
   // Errors name the option: an address that cannot be parsed, a file that cannot be read. A broker
@@ -51,7 +50,7 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   natsConnection* get() const { return connection_; }
-  // Any thread. Publish alone does not tell: it returns NATS_OK while libnats connects again.
+  // Any thread. Publish does not show it: it returns NATS_OK while libnats reconnects.
   bool connected() const {
     return natsConnection_Status(connection_) == NATS_CONN_STATUS_CONNECTED;
   }

@@ -10,7 +10,7 @@
 namespace styled::stylenats {
 namespace {
 
-// The user and the password of a file, which nobody else may read.
+// The user and the password in a file, which no other user may read.
 Status ReadLogin(const std::string& file, LinkOptions& link) {
   const auto text = keys::ReadTokenFile(file);
   if (!text.ok()) return Status::Error("--nats-login " + text.status().message());
@@ -25,8 +25,8 @@ Status ReadLogin(const std::string& file, LinkOptions& link) {
   return Status::Ok();
 }
 
-// The address for a message, which is logged: without a user and password before an @, and without
-// what may follow the port, such as ?token=.
+// The address for a logged message: without a user and password before an @, and without anything
+// after the port, such as ?token=.
 std::string WithoutSecrets(const std::string& server) {
   const std::size_t slashes = server.find("//");
   const std::size_t host = slashes == std::string::npos ? 0 : slashes + 2;
@@ -54,10 +54,10 @@ void Declare(CLI::App& app, const std::string& broker, LinkOptions& options, std
                  "credentials file of nsc (JWT and seed), instead of --nats-login");
   app.add_option(
       "--nats-inbox", options.inbox,
-      "first token of the subjects of replies to this program, where the broker permits "
+      "first token of the subjects of replies to this program, if the broker permits "
       "another one; default: _INBOX_ and the user's name, or _INBOX without --nats-login");
   app.add_option("--nats-ca", options.ca,
-                 "certificates, PEM, of which one has signed a tls:// broker's; default: the "
+                 "certificates, PEM, one of which has signed a tls:// broker's; default: the "
                  "system's");
 }
 
@@ -83,7 +83,8 @@ Status CheckServer(const std::string& server) {
   if (!tls && !server.starts_with("nats://")) return fail("neither nats:// nor tls://");
   const std::string rest = server.substr(server.find("//") + 2);
   if (rest.find('@') != std::string::npos) {
-    return fail("a user in the address is seen by everyone on this machine: --nats-login FILE");
+    return fail(
+        "a user in the address is visible to everyone on this machine: use --nats-login FILE");
   }
   if (rest.find_first_of("/?#") != std::string::npos) return fail("something follows the port");
   const std::size_t colon = rest.rfind(':');
@@ -92,7 +93,7 @@ Status CheckServer(const std::string& server) {
   if (port.empty() || port.size() > 5 ||
       !std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; }) ||
       std::stoi(port) < 1 || std::stoi(port) > 65535) {
-    return fail("'" + port + "' is no port, 1 to 65535");
+    return fail("'" + port + "' is not a port, 1 to 65535");
   }
   return Status::Ok();
 }

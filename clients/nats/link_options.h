@@ -20,9 +20,10 @@ struct LinkOptions {
   std::string user, password;                           // "": none
   std::string inbox;        // first token of the subjects of replies; "": _INBOX_USER, or _INBOX
   std::string credentials;  // file with JWT and seed, as nsc writes it; "": none
-  // Callbacks of all subscriptions come on one thread of the process, not on one for each.
+  // Callbacks of all subscriptions run on one thread of the process, not on one for each.
   bool shared_thread = false;
-  std::string ca;  // file with certificates (PEM) that a tls:// broker's must be signed by
+  std::string ca;  // file with certificates (PEM) that a tls:// the broker's must be signed by one
+                   // of these
 };
 
 // Adds --nats (which `broker` explains), --nats-login, --nats-creds, --nats-inbox and

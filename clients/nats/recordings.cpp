@@ -17,18 +17,18 @@ using Steady = std::chrono::steady_clock;
 constexpr std::int64_t kWaitForApi_ms = 3000;
 constexpr milliseconds kRefusalComes(3000);  // a broker's second refusal of the login
 constexpr milliseconds kLookAgain(50);
-// One request asks for a quarter of hub.conf's max_pending, 8 MB, at most: the broker closes a
+// One request asks for at most a quarter of hub.conf's max_pending, 8 MB: the broker closes a
 // connection for which more bytes wait. With a latency of 50 ms that is up to 40 MB/s.
 constexpr int kBatchMessages = 2000;
 constexpr std::int64_t kBatchBytes = std::int64_t{2} << 20U;
 constexpr std::int64_t kBatchWait_ns = 2'000'000'000;
-constexpr std::int64_t kIdle_ns = 30'000'000'000;  // until the broker forgets a reader that is gone
+constexpr std::int64_t kIdle_ns = 30'000'000'000;  // until the broker drops a reader that is gone
 constexpr auto kBrokerComesBack = std::chrono::seconds(10);
 constexpr const char* kFull = "; is its disk full? Make room, and start it again";
 constexpr double kHour_ns = 3600e9;
 constexpr std::string_view kEverybody = "styled.*.*.";
-// For which the broker looks for messages that come twice: it cannot be more than the age of the
-// oldest, and no bridge sends ids by which it would know.
+// The interval in which the broker looks for duplicates. It cannot be more than the age of the
+// oldest message, and no bridge sends the ids that it would need.
 constexpr std::int64_t kUnused_ns = 100'000'000;
 
 using StreamInfo = std::unique_ptr<jsStreamInfo, Destroys<jsStreamInfo_Destroy>>;
@@ -85,10 +85,10 @@ Status Recordings::Explain(natsStatus status, jsErrCode code) {
   const std::string says = std::string(natsStatus_GetText(status)) +
                            (detail != nullptr && *detail != '\0' ? std::string(": ") + detail : "");
   const std::string at = brokers_ + ": ";
-  // A forbidden request has no answer; that it is forbidden is said apart.
+  // A forbidden request has no answer; the prohibition is reported separately.
   for (const LinkEvent& event : link_->Events()) {
     if (event.kind != LinkEvent::Kind::kError) continue;
-    return Status::Error(at + event.text + "; expected the login of a user who may");
+    return Status::Error(at + event.text + "; expected the login of a user with that permission");
   }
   if (!link_->connected()) return Status::Error(at + "lost the broker (" + says + ")" + kFull);
   switch (code) {
@@ -98,7 +98,7 @@ Status Recordings::Explain(natsStatus status, jsErrCode code) {
     case JSStorageResourcesExceededErr:
     case JSInsufficientResourcesErr:
     case JSAccountResourcesExceededErr:
-      return Status::Error(at + "the server keeps no room for that much (" + says +
+      return Status::Error(at + "the server does not reserve that much space (" + says +
                            "); expected fewer --max-gb, or more max_file in its configuration");
     case JSStreamSubjectOverlapErr:
       return Status::Error(at + "another stream records these subjects already (" + says + ")");
@@ -139,7 +139,7 @@ Result<bool> Recordings::Create(const RecordingLimits& limits) {
   config.MaxBytes = static_cast<std::int64_t>(limits.gigabytes * 1e9);
   config.MaxAge = static_cast<std::int64_t>(limits.hours * kHour_ns);
   config.Duplicates = std::min(config.MaxAge, kUnused_ns);
-  config.NoAck = true;  // a bridge waits for none
+  config.NoAck = true;  // a bridge does not wait for acknowledgements
   jsErrCode code{};
   natsStatus status = js_AddStream(nullptr, jetstream_, &config, nullptr, &code);
   if (status == NATS_OK) return true;
@@ -201,7 +201,7 @@ Result<std::unique_ptr<RecordingReader>> Recordings::Read(const std::string& sit
   return reader;
 }
 
-// From the beginning, or behind the last message that came.
+// From the beginning, or after the last message that arrived.
 Status RecordingReader::Begin(Part& part) {
   natsSubscription_Destroy(std::exchange(part.subscription, nullptr));
   jsConsumerConfig config;
@@ -238,7 +238,7 @@ RecordingReader::~RecordingReader() {
   }
 }
 
-// Some messages; none where none is left.
+// Some messages; empty if none is left.
 Status RecordingReader::Fetch(Part& part) {
   const auto end = Steady::now() + kBrokerComesBack;
   for (;;) {
@@ -255,7 +255,7 @@ Status RecordingReader::Fetch(Part& part) {
             ? NATS_INVALID_SUBSCRIPTION
             : natsSubscription_FetchRequest(&part.batch, part.subscription, &request);
     if (part.batch.Count > 0) return Status::Ok();
-    // Nothing came: the broker, or the reader that it remembers, is gone. Another one goes on.
+    // Nothing arrived: the broker, or its reader's state, is gone. Another reader continues.
     Status failed = recordings_.Explain(status, {});
     if (Steady::now() > end) return failed;
     std::this_thread::sleep_for(kLookAgain);

@@ -15,14 +15,15 @@ namespace styled::stylenats {
 // The JetStream stream that records what bridges publish.
 inline constexpr std::string_view kRecordings = "STYLED_REC";
 
-// How much is kept; what is older, or more, goes, the oldest first.
+// The limits of a recording; older messages, or those beyond the size, are removed, the oldest
+// first.
 struct RecordingLimits {
   std::vector<std::string> streams{"rig", "canonical"};  // of all performers of all sites
   double gigabytes = 10;                                 // of 10^9 bytes
   double hours = 24;
 };
 
-// What a broker says of its recordings.
+// A broker's report on its recordings.
 struct RecordingState {
   std::vector<std::string> subjects;
   std::int64_t max_bytes = 0, max_age_ns = 0;
@@ -40,8 +41,8 @@ struct Recorded {
 
 class RecordingReader;
 
-// The recordings of a broker: makes them, looks at them, ends them, reads them. Calls wait for the
-// broker, up to 3 s. Errors say what is missing: the broker, its JetStream, the recordings, room, a
+// The recordings of a broker: creates, inspects, deletes and reads them. Calls wait for the broker,
+// up to 3 s. Errors name what is missing: the broker, its JetStream, the recordings, room, a
 // permission. One thread. Pinned by tests/e2e/nats/recording_test.cpp.
 class Recordings {
  public:
@@ -52,11 +53,11 @@ class Recordings {
   Recordings(const Recordings&) = delete;
   Recordings& operator=(const Recordings&) = delete;
 
-  // Makes the stream, on the broker's disk; of one that is there, changes streams and limits. True:
-  // it was made.
+  // Creates the stream, on the broker's disk, or changes streams and limits of an existing one.
+  // True: it was created.
   Result<bool> Create(const RecordingLimits& limits);
   Result<RecordingState> Look();
-  // The stream and all that it holds.
+  // The stream and all of its messages.
   Status Delete();
   // The frames and bodies of a site ("": of one performer too, if it is not empty) from a Unix time
   // on. The reader must end before this object.
@@ -73,18 +74,18 @@ class Recordings {
   jsCtx* jetstream_ = nullptr;
 };
 
-// Reads recorded messages in their order, without holding up the broker: it asks for some megabytes
-// at a time. A broker that is gone for less than 10 s is waited for.
+// Reads recorded messages in order, without blocking the broker: it requests some megabytes at a
+// time. A broker that is gone for less than 10 s is waited for.
 //
-// The broker's readers take one subject each, and that must be one of the stream's. So there is one
-// for each stream, and one for its bodies; what they bring is put in order here.
+// The broker's readers accept one subject each, which must be one of the stream's. Therefore there
+// is one reader for each stream, and one for its bodies; their messages are sorted here.
 class RecordingReader {
  public:
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
-  // Gives the next message; false while there is none.
+  // Returns the next message; false while there is none.
   Result<bool> Next(Recorded& out);
 
  private:
@@ -95,8 +96,8 @@ class RecordingReader {
     natsMsgList batch{};
     int at = 0;                  // the next of the batch
     std::uint64_t sequence = 0;  // of the next message in the stream; 0: no message
-    std::uint64_t last = 0;      // of the last that came
-    std::uint64_t pending = 0;   // behind the batch's last, so far as is known
+    std::uint64_t last = 0;      // of the last message that arrived
+    std::uint64_t pending = 0;   // after the batch's last message, as far as known
     std::int64_t time_ns = 0;
   };
   RecordingReader(Recordings& recordings, std::int64_t from_ns)

@@ -28,15 +28,15 @@ using std::chrono::milliseconds;
 
 // Streams of which a frame may wait here: 16 performers with 8 streams each, many times over.
 constexpr std::size_t kMaxStreams = 4096;
-// Frames of a stream: what comes late comes together, and is passed on together.
+// Frames of a stream: late messages arrive together, and are passed on together.
 constexpr std::size_t kDepth = FrameQueue::Limits().depth;
 constexpr std::size_t kMaxValues = 8192;
-// Of frames that wait, and of values: as stylenats itself has them.
+// The limits of waiting frames, and of values: the same as stylenats'.
 constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 constexpr std::size_t kMaxReplies = 256;
 constexpr std::size_t kMaxPending = 64;
 constexpr std::int64_t kMaxRequestBytes = std::int64_t{8} << 20U;  // as the daemon reads
-// A take of an example may last a minute; then the daemon answers.
+// A take of an example may last a minute, then the daemon answers.
 constexpr std::chrono::seconds kPatience(90);
 constexpr std::chrono::seconds kRepeat(1);
 
@@ -53,7 +53,7 @@ Status CheckLocal(const std::string& option, const std::string& endpoint) {
     return valid.ok() ? valid : Status::Error(option + " " + valid.message());
   }
   return Status::Error(option + " " + endpoint +
-                       ": expected tcp://127.0.0.1:PORT or ipc://PATH: there is no key for it");
+                       ": expected tcp://127.0.0.1:PORT or ipc://PATH, because it has no key");
 }
 
 Status Listen(zmq::socket_t& socket, const std::string& option, const std::string& endpoint) {
@@ -71,17 +71,17 @@ Status Listen(zmq::socket_t& socket, const std::string& option, const std::strin
 
 }  // namespace
 
-// What libnats' threads hand over. Of each stream the newest few frames wait, as in FrameQueue.
+// The data from libnats' threads. Of each stream the newest few frames wait, as in FrameQueue.
 struct Relay::Inbox {
   std::mutex mutex;
   Descriptor wake{eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
   std::map<std::string, std::deque<std::string>> frames;  // by subject
-  std::deque<std::string> order;                          // of their arrival: a subject for each
+  std::deque<std::string> order;                          // order of arrival: a subject for each
   std::size_t frame_bytes = 0;
   std::deque<std::pair<std::string, std::optional<std::string>>> values;
   struct Reply {
     std::string subject, bytes;
-    bool nobody = false;  // the broker's own: nobody is there to answer
+    bool nobody = false;  // the broker's own: no responder is there
   };
   std::deque<Reply> replies;
   std::uint64_t replaced = 0, odd = 0;
@@ -90,7 +90,7 @@ struct Relay::Inbox {
     const std::uint64_t one = 1;
     (void)!write(wake.get(), &one, sizeof one);
   }
-  void TakeWake() const {
+  void ClearWake() const {
     std::uint64_t count = 0;
     (void)!read(wake.get(), &count, sizeof count);
   }
@@ -132,8 +132,8 @@ struct Relay::Inbox {
   }
 };
 
-// A subscription of libnats, whose callbacks may come until it says that they are over: the inbox
-// lives until then.
+// A subscription of libnats, whose callbacks may run until it reports their end; the inbox lives
+// until then.
 struct Relay::Subscription {
   natsSubscription* subscription = nullptr;
 
@@ -144,7 +144,8 @@ struct Relay::Subscription {
   }
   static void OnFrame(natsConnection* /*connection*/, natsSubscription* /*subscription*/,
                       natsMsg* message, void* closure) {
-    // A viewer can have JetStream send a value of the bucket to a frame's subject, without this.
+    // Without this check, a viewer could have JetStream send a value of the bucket to a frame's
+    // subject.
     const char* sequence = nullptr;
     const bool frame = natsMsgHeader_Get(message, "Styled-Sequence", &sequence) == NATS_OK;
     auto& inbox = **static_cast<std::shared_ptr<Inbox>*>(closure);
@@ -199,7 +200,7 @@ Status Relay::Bind() {
   return status.ok() ? Listen(control_, "--control", options_.control) : status;
 }
 
-// Null where the connection is closed for good, which ends the program.
+// Null if the connection is closed for good, which ends the program.
 std::unique_ptr<Relay::Subscription> Relay::Subscribe(const std::string& subject) const {
   auto subscription = std::make_unique<Subscription>();
   auto closure = std::make_unique<std::shared_ptr<Inbox>>(inbox_);
@@ -221,19 +222,19 @@ void Relay::Step(milliseconds timeout) {
   try {
     zmq::poll(items.data(), items.size(),
               std::clamp(until_repeat, milliseconds(0), std::max(timeout, milliseconds(0))));
-    inbox_->TakeWake();
-    TakeValues();
-    TakeSubscriptions();
-    TakeRequests();
-    TakeFrames();
-    TakeReplies();
+    inbox_->ClearWake();
+    HandleValues();
+    HandleSubscriptions();
+    HandleRequests();
+    HandleFrames();
+    HandleReplies();
     if (Clock::now() >= next_repeat_) Repeat();
   } catch (const zmq::error_t& error) {
     if (error.num() != EINTR) throw;
   }
 }
 
-void Relay::TakeSubscriptions() {
+void Relay::HandleSubscriptions() {
   zmq::message_t event;
   bool changed = false;
   std::vector<std::string> added;
@@ -252,7 +253,7 @@ void Relay::TakeSubscriptions() {
   for (const std::string& topic : added) SendBodies(topic);
 }
 
-// Asks the broker for what is wanted now.
+// Subscribes at the broker to the subjects that are now needed.
 void Relay::Follow() {
   const std::set<std::string> wanted = demand_.Subjects();
   std::erase_if(subscriptions_, [&wanted](const auto& s) { return !wanted.contains(s.first); });
@@ -262,7 +263,7 @@ void Relay::Follow() {
   }
 }
 
-void Relay::TakeFrames() {
+void Relay::HandleFrames() {
   std::deque<std::string> order;
   std::map<std::string, std::deque<std::string>> frames;
   {
@@ -285,7 +286,7 @@ void Relay::TakeFrames() {
   }
 }
 
-void Relay::TakeValues() {
+void Relay::HandleValues() {
   decltype(inbox_->values) values;
   {
     const std::scoped_lock lock(inbox_->mutex);
@@ -320,11 +321,11 @@ void Relay::SendBodies(std::string_view topic) {
   }
 }
 
-// Once a second, as a daemon does: all bodies, and what is known of the performers.
+// Once a second, as a daemon does: all bodies, and the performers' known state.
 void Relay::Repeat() {
   next_repeat_ = Clock::now() + kRepeat;
   SendBodies("body/");
-  if (demand_.Wants("stats/")) {
+  if (demand_.IsSubscribed("stats/")) {
     v1::Stats stats;
     for (const auto& [key, value] : values_of_) {
       if (key.find(".performer.") == std::string::npos) continue;
@@ -347,7 +348,7 @@ void Relay::Send(std::string_view topic, std::string_view payload) {
   publisher_.send(zmq::buffer(payload), zmq::send_flags::dontwait);
 }
 
-void Relay::TakeRequests() {
+void Relay::HandleRequests() {
   zmq::message_t part;
   while (control_.recv(part, zmq::recv_flags::dontwait)) {
     std::vector<std::string> parts{part.to_string()};
@@ -374,16 +375,16 @@ void Relay::Ask(std::vector<std::string> envelope, const std::string& bytes) {
       link_->get(), ControlSubject(options_.site).c_str(),
       (reply_to_ + std::to_string(number)).c_str(), bytes.data(), static_cast<int>(bytes.size()));
   if (status == NATS_MAX_PAYLOAD) {
-    return Refuse(envelope, id, v1::CODE_TOO_LARGE,
-                  "the request has " + std::to_string(bytes.size()) + " bytes, the broker takes " +
-                      std::to_string(natsConnection_GetMaxPayload(link_->get())) +
-                      " (max_payload)");
+    return Refuse(
+        envelope, id, v1::CODE_TOO_LARGE,
+        "the request has " + std::to_string(bytes.size()) + " bytes, the broker accepts " +
+            std::to_string(natsConnection_GetMaxPayload(link_->get())) + " (max_payload)");
   }
   if (status != NATS_OK) return Refuse(envelope, id, v1::CODE_BUSY, natsStatus_GetText(status));
   pending_[number] = {std::move(envelope), id, Clock::now() + kPatience};
 }
 
-void Relay::TakeReplies() {
+void Relay::HandleReplies() {
   decltype(inbox_->replies) replies;
   {
     const std::scoped_lock lock(inbox_->mutex);
@@ -398,8 +399,8 @@ void Relay::TakeReplies() {
     if (reply.nobody) {
       ++totals_.unanswered;
       Refuse(waits->second.envelope, waits->second.id, v1::CODE_BUSY,
-             "nobody answers at " + ControlSubject(options_.site) +
-                 ": no stylenats serves that site, or its name is another");
+             "no reply from " + ControlSubject(options_.site) +
+                 ": no stylenats serves that site, or its name is different");
     } else {
       Answer(waits->second.envelope, reply.bytes);
     }

@@ -18,7 +18,7 @@
 namespace styled::stylenats {
 
 struct RelayOptions {
-  // Where it listens, as a daemon would: tcp:// on a loopback address, or ipc://.
+  // The address to listen on, as a daemon would: tcp:// on a loopback address, or ipc://.
   std::string publish = std::string(client::kDefaultPublisher);
   std::string control = std::string(client::kDefaultControl);
   std::string site, domain;  // as in Options
@@ -28,44 +28,43 @@ struct RelayOptions {
 // Totals since Open, a copy.
 struct RelayTotals {
   std::uint64_t passed = 0;  // frames
-  // Frames that a newer one took the place of, or for which there was no room: this program was
-  // late.
+  // Frames that were replaced by newer ones, or for which there was no room: this program was late.
   std::uint64_t replaced = 0;
   std::uint64_t odd = 0;  // messages that are not stylenats' own, and values beyond the bounds
   std::uint64_t requests = 0, unanswered = 0;
   bool operator==(const RelayTotals&) const = default;
 };
 
-// The bridge's other end: publishes on this machine, as a daemon would, what NATS brings of a site,
-// so that every program that reads a daemon reads it unchanged. Frames are the daemon's bytes;
-// bodies come from the KV bucket and are repeated once a second; statistics are made of the bucket,
-// without rates, latencies and counts. Commands go to "styledctl.SITE" and the replies back. Not
-// there: source/ and the bundles frames/, which NATS does not carry.
+// The bridge's other end: publishes the site's messages from NATS on this machine like a daemon, so
+// that every program that reads a daemon can read it unchanged. Frames are the daemon's bytes;
+// bodies come from the KV bucket and are repeated once a second; statistics are made from the
+// bucket, without rates, latencies and counts. Commands go to "styledctl.SITE" and the replies
+// back. Not available: source/ and the bundles frames/, which NATS does not carry.
 //
-// Only what somebody here reads is asked of the broker (Demand). Memory is bounded, whatever comes.
-// One thread; libnats' threads and that of Values hand over what comes. Pinned by
+// Only data with a local reader is requested from the broker (Demand). Memory is bounded for any
+// input. One thread; libnats' threads and that of Values pass their data to it. Pinned by
 // tests/e2e/nats/relay_test.cpp.
 class Relay {
  public:
-  // Errors name the option: a site, an endpoint that is not of this machine or is in use, and those
-  // of Link::Open. No broker need be there.
+  // Errors name the option: a site, an endpoint that is not local or is in use, and those of
+  // Link::Open. The broker need not be running.
   static Result<std::unique_ptr<Relay>> Open(const RelayOptions& options);
   ~Relay();
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  // Waits up to `timeout` for something to come, and passes on all that has.
+  // Waits up to `timeout` for messages, and passes on all that have arrived.
   void Step(std::chrono::milliseconds timeout);
 
   RelayTotals totals() const;
   Link& link() { return *link_; }
-  std::string TakeError() { return values_->TakeError(); }  // of the bucket
+  std::string NextError() { return values_->NextError(); }  // of the bucket
   std::size_t subjects() const { return subscriptions_.size(); }
 
  private:
   struct Inbox;
   struct Subscription;
-  // Who waits for a reply.
+  // A client that waits for a reply.
   struct Pending {
     std::vector<std::string> envelope;
     std::uint64_t id = 0;
@@ -75,13 +74,13 @@ class Relay {
   explicit Relay(const RelayOptions& options);
   Status Bind();
   std::unique_ptr<Subscription> Subscribe(const std::string& subject) const;
-  void TakeSubscriptions();
+  void HandleSubscriptions();
   void Follow();
-  void TakeRequests();
+  void HandleRequests();
   void Ask(std::vector<std::string> envelope, const std::string& bytes);
-  void TakeFrames();
-  void TakeValues();
-  void TakeReplies();
+  void HandleFrames();
+  void HandleValues();
+  void HandleReplies();
   void Answer(const std::vector<std::string>& envelope, const std::string& bytes);
   void Refuse(const std::vector<std::string>& envelope, std::uint64_t id, v1::Code code,
               const std::string& reason);
@@ -99,7 +98,7 @@ class Relay {
   std::size_t value_bytes_ = 0;
   std::map<std::uint64_t, Pending> pending_;
   std::uint64_t asked_ = 0;
-  std::string reply_to_;  // the beginning of the subjects of replies
+  std::string reply_to_;  // the prefix of the subjects of replies
   std::chrono::steady_clock::time_point next_repeat_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<Subscription> replies_;

@@ -18,7 +18,7 @@ std::string EventText(const LinkEvent& event, const std::string& brokers, const 
   switch (event.kind) {
     case Kind::kAbsent:
       return "no broker answers at " + brokers + (event.text.empty() ? "" : " that is trusted: ") +
-             event.text + "; it goes on trying";
+             event.text + "; retrying";
     case Kind::kConnected:
       return "connected to " + event.text;
     case Kind::kDisconnected:
@@ -26,7 +26,7 @@ std::string EventText(const LinkEvent& event, const std::string& brokers, const 
     case Kind::kReconnected:
       return "connected again, to " + event.text + again;
     case Kind::kError:
-      return "the broker says: " + event.text;
+      return "the broker reports: " + event.text;
     default:
       return "the broker at " + brokers + " refuses the connection: " + event.text +
              "; expected a login that it knows (--nats-login FILE, --nats-creds FILE) and, with "
@@ -46,7 +46,7 @@ void Report::PrintStart() {
        << ControlSubject(options_.site) << std::endl;
 }
 
-// Whether the daemon is there: said when it changes, with the reason where there is one.
+// Whether the daemon is there: printed when it changes, with the reason if there is one.
 void Report::PrintDaemon(Bridge& bridge) {
   if (bridge.connected() > 0) {
     lookout_.Rest();
@@ -55,7 +55,7 @@ void Report::PrintDaemon(Bridge& bridge) {
     daemon_ = true;
     return;
   }
-  if (daemon_) err_ << "stylenats: the daemon is gone; it goes on trying" << std::endl;
+  if (daemon_) err_ << "stylenats: the daemon is gone; retrying" << std::endl;
   daemon_ = false;
   const client::Reach& reach = lookout_.Look();
   if (reach.text.empty() || reach.text == why_) return;
@@ -70,13 +70,13 @@ bool Report::PrintNews(Bridge& bridge) {
   for (const LinkEvent& event : bridge.link().Events()) {
     err_ << "stylenats: "
          << EventText(event, BrokersText(options_.link), "; frames are dropped until it is back",
-                      "; all bodies are written anew")
+                      "; all bodies are written again")
          << std::endl;
     closed = closed || event.kind == LinkEvent::Kind::kClosed;
   }
-  const std::string error = bridge.store().TakeError();
+  const std::string error = bridge.store().NextError();
   if (!error.empty()) err_ << "stylenats: KV: " << error << std::endl;
-  if (bridge.TakeRefusedOutput()) {
+  if (bridge.NextRefusedOutput()) {
     err_ << "stylenats: the [[output]] " << kAudienceStream
          << " is not passed on: the audience tier has its name" << std::endl;
   }

@@ -8,12 +8,12 @@
 
 namespace styled::stylenats {
 
-// What happened to the connection to the broker, for people. `brokers`: their addresses; `lost` and
-// `again`: what that means, "; ..." or "".
+// An event of the connection to the broker, as text. `brokers`: their addresses; `lost` and
+// `again`: the consequence, "; ..." or "".
 std::string EventText(const LinkEvent& event, const std::string& brokers, const std::string& lost,
                       const std::string& again);
 
-// Prints what happens to the connections, and the counters when they changed. One thread.
+// Prints the events of the connections, and the counters when they changed. One thread.
 class Report {
  public:
   Report(const Options& options, std::ostream& out, std::ostream& err);
@@ -30,8 +30,8 @@ class Report {
   std::ostream& out_;
   std::ostream& err_;
   client::Lookout lookout_;
-  std::string why_;         // what was said of the daemon
-  bool daemon_ = false;     // was said to be there
+  std::string why_;         // the last printed state of the daemon
+  bool daemon_ = false;     // it was printed as present
   std::string last_error_;  // of the broker
   Totals shown_;
 };

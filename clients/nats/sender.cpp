@@ -7,10 +7,10 @@ namespace styled::stylenats {
 namespace {
 
 constexpr std::chrono::milliseconds kWait(100);  // for a frame; the queue wakes at once
-// Written together at most, in bytes: the buffer of libnats. What is in it gives way to no newer
-// frame.
+// The most bytes that are written together: the buffer of libnats. Frames in it are not replaced by
+// newer ones.
 constexpr std::size_t kTogether = 32768;
-constexpr std::int64_t kPong_ms = 1;  // for the broker's answer; the shortest that libnats takes
+constexpr std::int64_t kPong_ms = 1;  // for the broker's answer; the shortest that libnats accepts
 
 struct MessageDeleter {
   void operator()(natsMsg* message) const { natsMsg_Destroy(message); }
@@ -29,7 +29,7 @@ void Sender::Stop() {
 void Sender::Loop(const std::stop_token& stop) {
   QueuedFrame frame;
   for (;;) {
-    if (!queue_.Take(frame, stop, kWait)) {
+    if (!queue_.Pop(frame, stop, kWait)) {
       if (stop.stop_requested()) return;
       continue;
     }
@@ -38,14 +38,14 @@ void Sender::Loop(const std::stop_token& stop) {
     do {
       Send(frame);
       bytes += frame.payload.size();
-    } while (bytes < kTogether && queue_.Take(frame, stop, std::chrono::milliseconds(0)));
+    } while (bytes < kTogether && queue_.Pop(frame, stop, std::chrono::milliseconds(0)));
     Write();
   }
 }
 
 // libnats has no call that writes its buffer and returns, so this one waits for the answer too, for
-// kPong_ms at most. A broker on the same machine answers in 0.1 ms; what comes meanwhile is
-// written together.
+// kPong_ms at most. A broker on the same machine answers in 0.1 ms; frames that arrive meanwhile
+// are written together.
 void Sender::Write() {
   if (!link_.connected()) return;
   const natsStatus status =

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <thread>
 
 #include "clients/nats/frame_queue.h"
@@ -19,7 +18,7 @@ class Sender {
  public:
   // Totals since the start; any thread.
   struct Counts {
-    std::atomic<std::uint64_t> frames{0};        // handed to libnats
+    std::atomic<std::uint64_t> frames{0};        // passed to libnats
     std::atomic<std::uint64_t> bodies{0};        // the same
     std::atomic<std::uint64_t> disconnected{0};  // dropped, no connection
     std::atomic<std::uint64_t> too_large{0};     // dropped, above the broker's max_payload
@@ -32,7 +31,7 @@ class Sender {
   static constexpr std::chrono::milliseconds kStall{20};
 
   Sender(FrameQueue& queue, Link& link);
-  // Sends what waits, then ends the thread: at once, or when a call that stands still returns (the
+  // Sends the waiting messages, then ends the thread: at once, or when a blocked call returns (the
   // link's write deadline, 1 s).
   void Stop();
   const Counts& counts() const { return counts_; }
@@ -42,7 +41,7 @@ class Sender {
   void Send(const QueuedFrame& frame);
   void Write();
   template <typename Call>
-  natsStatus Timed(const Call& call);  // counts a call that stalls
+  natsStatus Timed(const Call& call);  // counts a call that blocks
 
   FrameQueue& queue_;
   Link& link_;

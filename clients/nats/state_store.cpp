@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t kAnswer_ms = 1000;  // for one request; longer would delay the end
 constexpr std::chrono::milliseconds kRetry(500), kLook(200);
 constexpr std::chrono::seconds kCheck(2);
-// Of the bucket, as JetStream counts: values, keys and headers. Twice what we keep.
+// The limit of the bucket, as JetStream counts: values, keys and headers. Twice our own limit.
 constexpr std::int64_t kBucketBytes = std::int64_t{64} << 20U;
 
 }  // namespace
@@ -65,7 +65,7 @@ void StateStore::Remove(const std::string& key) {
   Queue(key, known->second);
 }
 
-std::string StateStore::TakeError() {
+std::string StateStore::NextError() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(error_, {});
 }
@@ -90,7 +90,7 @@ void StateStore::Loop(const std::stop_token& stop) {
   }
 }
 
-// Binds the bucket where that is to be done, and writes one value. False: to be tried again.
+// Binds the bucket if necessary, and writes one value. False: must be retried.
 bool StateStore::Step() {
   const std::uint64_t generation = link_.generation();
   if (bucket_ != nullptr && generation == generation_ && Clock::now() >= next_check_ && !Holds()) {
@@ -107,8 +107,8 @@ bool StateStore::Step() {
   return WriteNext();
 }
 
-// Whether the bucket has as many values as were written: the server that has it may have been
-// started again behind a leaf server whose connection to us never broke.
+// Whether the bucket has as many values as were written: its server may have been restarted behind
+// a leaf server to which our connection never broke.
 bool StateStore::Holds() {
   next_check_ = Clock::now() + kCheck;
   std::uint64_t expected = 0;
@@ -128,7 +128,7 @@ void StateStore::Unbind() {
   jsCtx_Destroy(std::exchange(jetstream_, nullptr));
 }
 
-// The bucket as it is, or a new one.
+// The existing bucket, or a new one.
 bool StateStore::Bind() {
   jsOptions options;
   jsOptions_Init(&options);
@@ -151,7 +151,7 @@ bool StateStore::Bind() {
   const char* detail = nats_GetLastError(nullptr);
   Fail("no bucket '" + name + "': " + natsStatus_GetText(status) +
        (detail != nullptr && *detail != '\0' ? std::string(" (") + detail + ")" : "") +
-       "; frames go on without it, and it is tried again");
+       "; frames continue without it, and it is retried");
   Unbind();
   return false;
 }

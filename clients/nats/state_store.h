@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -17,15 +16,16 @@
 
 namespace styled::stylenats {
 
-// Writes what a late joiner needs into the KV bucket `styled`: bodies, and performers with their
-// style. A bucket that does not exist is created, in memory; it is tried again until that succeeds
-// (a cluster that starts has no leader at first), after every reconnection, and when the bucket is
-// gone or lacks values (looked at every 2 s). All values are written anew then.
+// Writes the data that a late joiner needs into the KV bucket `styled`: bodies, and performers with
+// their style. A missing bucket is created, in memory. This is retried until it succeeds (a
+// starting cluster has no leader at first), after every reconnection, and when the bucket is gone
+// or lacks values (checked every 2 s). All values are then written again.
 //
-// A thread of its own: each write waits for the broker's answer, up to a second where it does not
-// come, and no frame may wait for that.
+// A thread of its own: each write waits for the broker's answer, up to a second, and no frame may
+// wait for that.
 //
-// Bounded: kMaxKeys keys, kMaxBytes of values; what exceeds it is refused and counted. Any thread.
+// Bounded: kMaxKeys keys, kMaxBytes of values; values beyond that are refused and counted. Any
+// thread.
 class StateStore {
  public:
   static constexpr std::size_t kMaxKeys = 4096;
@@ -34,7 +34,7 @@ class StateStore {
   // Totals since the start.
   struct Counts {
     std::atomic<std::uint64_t> written{0};
-    std::atomic<std::uint64_t> failed{0};   // attempts; each is made again
+    std::atomic<std::uint64_t> failed{0};   // attempts; each is retried
     std::atomic<std::uint64_t> refused{0};  // beyond the bounds
   };
 
@@ -47,13 +47,13 @@ class StateStore {
   // Nothing happens if the key has this value already.
   void Put(const std::string& key, std::string_view value);
   void Remove(const std::string& key);
-  // Ends the thread: at once, or after the request that is under way (1 s at most).
+  // Ends the thread: at once, or after the current request (1 s at most).
   void Stop();
 
   const Counts& counts() const { return counts_; }
   void RequestStop() { thread_.request_stop(); }
-  // What the last failed attempt said, once; "": none failed since.
-  std::string TakeError();
+  // The error of the last failed attempt, once; "": none failed since.
+  std::string NextError();
 
  private:
   struct Entry {

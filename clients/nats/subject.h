@@ -13,9 +13,9 @@ namespace styled::stylenats {
 // tests/unit/nats/subject_test.cpp.
 std::string Escape(std::string_view name);
 
-// The inverse of Escape. Empty for what Escape does not write: an empty token, a byte that is not
-// allowed, lower-case or missing digits, an escape of a byte that needs none. So two different
-// tokens are never the same name.
+// The inverse of Escape. Empty for text that Escape does not write: an empty token, a byte that is
+// not allowed, lower-case or missing digits, an escape of a byte that needs none. Two different
+// tokens are therefore never the same name.
 std::optional<std::string> Unescape(std::string_view token);
 
 // The stream of the audience tier: every fourth canonical frame (AudienceTier).
@@ -27,7 +27,7 @@ inline constexpr std::string_view kBucket = "styled";  // of the KV store
 std::string FrameSubject(std::string_view site, std::string_view performer,
                          std::string_view stream);
 // "styled.SITE.PERFORMER.STREAM.body": the Body of that stream's frames, for recordings and for
-// those who read no bucket.
+// readers without the bucket.
 std::string BodySubject(std::string_view site, std::string_view performer, std::string_view stream);
 // "styledctl.SITE": requests. A tree of its own, so that a permission for "styled.>" does not
 // include the commands.

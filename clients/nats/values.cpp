@@ -40,7 +40,7 @@ Values::Values(Link& link, const std::string& site, std::string domain, OnValue 
 
 Values::~Values() = default;
 
-std::string Values::TakeError() {
+std::string Values::NextError() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(error_, {});
 }
@@ -50,16 +50,18 @@ bool Values::Fail(natsStatus status) {
   std::string what =
       "the bucket '" + std::string(kBucket) + "' cannot be read: " + natsStatus_GetText(status);
   if (detail != nullptr && *detail != '\0') what += std::string(" (") + detail + ")";
-  // The broker drops a request that its user has no permission for: it looks like no answer.
+  // The broker silently drops a request for which its user has no permission, so this looks like a
+  // missing answer.
   const char* refused = nullptr;
   natsConnection_GetLastError(link_.get(), &refused);
-  if (refused != nullptr && *refused != '\0') what += std::string("; the broker says: ") + refused;
+  if (refused != nullptr && *refused != '\0')
+    what += std::string("; the broker reports: ") + refused;
   if (!domain_.empty() && (status == NATS_TIMEOUT || status == NATS_NO_RESPONDERS)) {
     what += "; expected a JetStream domain \"" + domain_ +
-            "\" that this user may ask, or no --domain: viewers of the shipped configurations ask "
+            "\" that this user may use, or no --domain: viewers of the shipped configurations use "
             "their own account's";
   }
-  what += "; without it frames have no bodies, and it is tried again";
+  what += "; without it frames have no bodies, and it is retried";
   const std::scoped_lock lock(mutex_);
   if (what != last_error_) error_ = last_error_ = what;
   return false;
@@ -107,7 +109,7 @@ bool Values::ReadAll(std::uint64_t& next) {
   return true;
 }
 
-// Asks for all at once, so that a way of 50 ms is gone twice and not for each.
+// Sends all requests at once, so that a latency of 50 ms occurs twice and not for each.
 bool Values::Get(const std::vector<std::string>& subjects) {
   const std::string inbox = link_.NewInbox();
   natsSubscription* raw = nullptr;
@@ -122,12 +124,12 @@ bool Values::Get(const std::vector<std::string>& subjects) {
     status = natsSubscription_NextMsg(&answer, answers.get(), kBrokersAnswer_ms);
     const Message owned(answer);
     if (status == NATS_OK && natsMsg_IsNoResponders(answer)) status = NATS_NO_RESPONDERS;
-    if (status == NATS_OK) Take(answer);
+    if (status == NATS_OK) Apply(answer);
   }
   return status == NATS_OK || Fail(status);
 }
 
-// Asks for changes until it is time to read all again. False: that failed.
+// Requests changes until it is time to read everything again. False: a request failed.
 bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
   const std::uint64_t generation = link_.generation();
   const auto end = Clock::now() + std::chrono::seconds(kAgain_s);
@@ -139,7 +141,7 @@ bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
                                                            wanted.c_str(), kBrokersAnswer_ms);
     const Message owned(answer);
     if (status != NATS_OK) return Fail(status);
-    const std::uint64_t number = Take(answer);
+    const std::uint64_t number = Apply(answer);
     if (number > 0) {
       next = number + 1;
     } else {
@@ -149,8 +151,8 @@ bool Values::Follow(std::uint64_t next, const std::stop_token& stop) {
   return true;
 }
 
-// Reports a value, or its removal. Returns its sequence number in the stream; 0: no value came.
-std::uint64_t Values::Take(natsMsg* message) {
+// Reports a value, or its removal. Returns its sequence number in the stream; 0: no value arrived.
+std::uint64_t Values::Apply(natsMsg* message) {
   const std::string_view subject = Header(message, "Nats-Subject");
   const std::string_view number = Header(message, "Nats-Sequence");
   std::uint64_t read = 0;

@@ -20,7 +20,7 @@ using stylenats::Recorded;
 using stylenats::Recordings;
 
 constexpr std::string_view kBodyTail = ".body";
-// A bridge repeats a body once a second (stylenats::BodyBeat); it may have come late.
+// A bridge repeats a body once a second (stylenats::BodyBeat); it may have arrived late.
 constexpr std::int64_t kBodiesBefore_ns = 2'000'000'000;
 constexpr double kGigabyte = 1e9, kHourIn_ns = 3600e9;
 
@@ -32,7 +32,7 @@ Result<std::unique_ptr<Recordings>> OpenBroker(const Arguments& a) {
   return Recordings::Open(link, a.domain);
 }
 
-// "body/PERFORMER/" or "styled/PERFORMER/STREAM/"; "" for what stylenats does not publish.
+// "body/PERFORMER/" or "styled/PERFORMER/STREAM/"; "" for subjects that stylenats does not publish.
 string TopicOfRecorded(const string& subject) {
   if (!subject.ends_with(kBodyTail)) return stylenats::TopicOf(subject);
   const string topic = stylenats::TopicOf(subject.substr(0, subject.size() - kBodyTail.size()));
@@ -41,7 +41,7 @@ string TopicOfRecorded(const string& subject) {
   return "body" + topic.substr(slash, topic.find('/', slash + 1) + 1 - slash);
 }
 
-// Writes what was recorded in a span of time, and counts it.
+// Writes the recorded messages of a span of time, and counts them.
 class Fetching {
  public:
   Fetching(const Arguments& a, std::int64_t from_ns, std::int64_t to_ns)
@@ -107,7 +107,7 @@ Result<bool> Fetching::Add(const Recorded& recorded) {
     return true;
   }
   if (!writer_) {
-    // The file exists from the first message on. Its times are those of the broker's clock.
+    // The file exists from the first message on. Its times are the broker's.
     recording::FileHeader header = recording::BeginningNow("stylerec", STYLED_VERSION);
     header.set_created_unix_ns(recorded.time_ns);
     header.set_created_time_ns(recorded.time_ns);
@@ -143,7 +143,7 @@ string StreamsOf(const std::vector<string>& subjects) {
   return list;
 }
 
-// "hall rig.anna: canonical 1200, rig 1200": a line for each performer, in which `messages` are.
+// "hall rig.anna: canonical 1200, rig 1200": a line for each performer in `messages`.
 std::map<string, string> LinesOf(const std::map<string, std::uint64_t>& recorded) {
   std::map<string, string> lines;
   for (const auto& [subject, messages] : recorded) {
@@ -159,7 +159,7 @@ std::map<string, string> LinesOf(const std::map<string, std::uint64_t>& recorded
   return lines;
 }
 
-// Why there is nothing of a site in a span of time.
+// The reason why a site has no messages in a span of time.
 Status NothingFound(const Arguments& a, Recordings& recordings, std::int64_t from_ns,
                     std::int64_t to_ns) {
   string text = "nothing of site " + a.site + (a.performer.empty() ? "" : ", " + a.performer) +

@@ -28,6 +28,7 @@ class Program {
   void DeclareReceive();
   void DeclarePlay();
   void DeclareExport();
+  void DeclareExplain();
   void DeclareJetStream();
   void DeclareFetch();
   void Broker(CLI::App* command);
@@ -45,7 +46,7 @@ class Program {
   std::function<Status()> check_;
   Arguments a_;
   CLI::App app_{
-      "stylerec: records what rigs send and what styled publishes; plays it back, "
+      "stylerec: records the data of rigs and of styled; plays it back, "
       "exports it",
       "stylerec"};
 };
@@ -62,21 +63,21 @@ CLI::App* Program::Add(const string& name, const string& text, Command run,
 
 void Program::AboutTheFile(CLI::App* command) {
   command->add_option("OUT", a_.file, "the new recording, e.g. walk.styrec")->required();
-  command->add_option("--seconds", a_.seconds, "stop after so long (0: at Ctrl-C)")
+  command->add_option("--seconds", a_.seconds, "stop after this time (0: at Ctrl-C)")
       ->check(CLI::Range(0.0, 1e9));
-  command->add_option("--description", a_.description, "kept in the file");
-  command->add_option("--config", a_.config, "the daemon's styled.toml: its text is kept");
-  command->add_option("--weights", a_.weights, "the daemon's weights: name and hash are kept");
+  command->add_option("--description", a_.description, "stored in the file");
+  command->add_option("--config", a_.config, "the daemon's styled.toml: its text is stored");
+  command->add_option("--weights", a_.weights, "the daemon's weights: name and hash are stored");
 }
 
 void Program::FileToRead(CLI::App* command) {
   command->add_option("FILE", a_.file, "a recording")->required();
   command->add_flag("--salvage", a_.salvage,
-                    "read on although the file does not begin like a recording");
+                    "continue although the file does not begin like a recording");
 }
 
 void Program::DeclareRecord() {
-  CLI::App* record = Add("record", "record what daemons publish", RunRecord);
+  CLI::App* record = Add("record", "record the messages of daemons", RunRecord);
   record->add_option("--from", a_.from, "publishers")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -102,20 +103,21 @@ void Program::DeclareReceive() {
                          " addresses in --forward, expected at most one per --listen");
   };
   CLI::App* receive =
-      Add("receive", "record the datagrams that arrive at a port, as they are", RunReceive, check);
+      Add("receive", "record the datagrams that arrive at a port, unchanged", RunReceive, check);
   receive
       ->add_option("--listen", a_.listen,
-                   "[NAME=]udp://HOST:PORT, comma-separated; NAME as of the daemon's source "
+                   "[NAME=]udp://HOST:PORT, comma-separated; NAME of the daemon's source "
                    "(default rig, rig2, ...); HOST numeric, 0.0.0.0: every interface")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->required();
   receive
-      ->add_option("--forward", a_.forward,
-                   "HOST:PORT of each port in turn, to send on what arrives, and answers back")
+      ->add_option(
+          "--forward", a_.forward,
+          "HOST:PORT for each port in turn: forwards the datagrams there, and its answers back")
       ->delimiter(',')
       ->allow_extra_args(false);
-  receive->add_option("--type", a_.type, "kept in the file: the source's type in styled.toml")
+  receive->add_option("--type", a_.type, "stored in the file: the source's type in styled.toml")
       ->capture_default_str();
   AboutTheFile(receive);
 }
@@ -129,26 +131,25 @@ void Program::DeclarePlay() {
   FileToRead(play);
   play->add_option(
       "--to", a_.to,
-      "[NAME=]udp://HOST:PORT or tcp://HOST:PORT: where datagrams (of source NAME) go; "
-      "'original': where they arrived. A recording without arrivals sends what was "
+      "[NAME=]udp://HOST:PORT or tcp://HOST:PORT: target of the datagrams (of source NAME); "
+      "'original': the recorded address. A recording without arrivals sends the frames "
       "published on source/");
   play->add_option("--publish", a_.publish,
-                   "publish what was published, e.g. on tcp://127.0.0.1:7001 (port 0: any)");
+                   "publish the recorded messages again, e.g. on tcp://127.0.0.1:7001 (port 0: any)");
   play->add_option("--wait", a_.wait_s, "with --publish: seconds to wait for a first subscriber")
       ->check(CLI::Range(0.0, 86400.0));
-  play->add_option(
-      "--control", a_.control,
-      "the daemon's control socket: recorded commands are given again at their places, "
-      "and at --speed max the daemon is waited for");
+  play->add_option("--control", a_.control,
+                   "the daemon's control socket: recorded commands are repeated at their places, "
+                   "and --speed max waits for the daemon");
   client::Declare(*play, a_.keys);
   play->add_option("--speed", a_.speed, "times real time, or max")->capture_default_str();
-  play->add_flag("--loop", a_.loop, "begin again at the end, until Ctrl-C");
-  play->add_option("--from", a_.from_s, "begin so many seconds into the recording")
+  play->add_flag("--loop", a_.loop, "restart at the end, until Ctrl-C");
+  play->add_option("--from", a_.from_s, "seconds to skip at the beginning of the recording")
       ->check(CLI::Range(0.0, 1e9));
   play->add_option("--to-time", a_.until_s, "end there")->check(CLI::Range(0.0, 1e9));
   play->add_flag("--as-recorded", a_.as_recorded,
                  "keep session ids and epochs; a daemon or subscriber that has seen them before "
-                 "takes all of it for repetitions");
+                 "drops all of it as repetitions");
 }
 
 void Program::DeclareExport() {
@@ -189,24 +190,33 @@ void Program::DeclareExport() {
         [this, &format](const string& file) { a_.exports.emplace_back(&format, file); },
         string(format.summary));
   }
-  command->add_flag("--overwrite", a_.overwrite, "write over files that exist");
+  command->add_flag("--overwrite", a_.overwrite, "overwrite existing files");
   command
       ->add_option("--rate", a_.rate_hz,
                    "frames per second; default: the recording's own, in glTF its frames' times")
       ->check(CLI::Range(1.0, 1000.0));
 }
 
+void Program::DeclareExplain() {
+  CLI::App* explain =
+      Add("explain", "what the daemon made of a performer's frames, and why", RunExplain);
+  FileToRead(explain);
+  explain->add_option("PERFORMER", a_.performer, "SOURCE.NAME")->required();
+  explain->add_option("SEQUENCE", a_.sequence,
+                      "the frame with this number, as subscribers got it; default: all");
+}
+
 void Program::Broker(CLI::App* command) {
   stylenats::Declare(*command, "the server that records, nats://HOST:PORT or tls://HOST:PORT",
                      a_.broker, a_.login);
   command->add_option("--domain", a_.domain,
-                      "JetStream domain of the recording, where that is another server's");
+                      "JetStream domain of the recording, if it is another server's");
 }
 
 void Program::DeclareJetStream() {
   const auto check = [this] {
     if (a_.action == "delete" && !a_.yes) {
-      return Status::Error("jetstream delete: the recordings of all sites go; expected --yes");
+      return Status::Error("jetstream delete removes the recordings of all sites; expected --yes");
     }
     for (const string& stream : a_.streams) {
       if (stream == "canonical30") {
@@ -222,12 +232,12 @@ void Program::DeclareJetStream() {
     return Status::Ok();
   };
   CLI::App* command =
-      Add("jetstream", "record, on a NATS server's disk, what stylenats of all sites publish",
+      Add("jetstream", "record, on a NATS server's disk, the messages of stylenats of all sites",
           RunJetStream, check);
   command
       ->add_option(
           "ACTION", a_.action,
-          "create: begin to record, or change streams and limits; status: what is recorded; "
+          "create: begin to record, or change streams and limits; status: show the recordings; "
           "delete: end it, and delete all of it")
       ->required()
       ->type_name("TEXT:{create,status,delete}")
@@ -236,10 +246,11 @@ void Program::DeclareJetStream() {
         return known ? string() : "'" + action + "': expected create, status or delete";
       });
   command
-      ->add_option("--max-gb", a_.max_gb, "create: GB (10^9 bytes) on the disk; then the oldest go")
+      ->add_option("--max-gb", a_.max_gb,
+                   "create: GB (10^9 bytes) on the disk; beyond that the oldest are removed")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
-  command->add_option("--max-hours", a_.max_hours, "create: hours after which a frame goes")
+  command->add_option("--max-hours", a_.max_hours, "create: hours after which a frame is removed")
       ->check(CLI::Range(0.0001, 1e6))
       ->capture_default_str();
   command
@@ -269,10 +280,10 @@ void Program::DeclareFetch() {
   fetch->add_option("--site", a_.site, "the site, as stylenats --site has it")->required();
   fetch->add_option("--performer", a_.performer, "SOURCE.NAME; default: everyone");
   fetch->add_option("--from", a_.from_time,
-                    "a time: 2026-11-26T14:03:05, with Z behind it for UTC, or -15m (s, m, h, d) "
+                    "a time: 2026-11-26T14:03:05, with Z at its end for UTC, or -15m (s, m, h, d) "
                     "before now; default: the recording's beginning");
   fetch->add_option("--to", a_.to_time, "a time; default: now");
-  fetch->add_option("--description", a_.description, "kept in the file");
+  fetch->add_option("--description", a_.description, "stored in the file");
   Broker(fetch);
 }
 
@@ -290,11 +301,13 @@ void Program::Declare() {
       "  stylerec fetch --site stage --from -15m late.styrec --nats nats://rec.example:4225");
   DeclareRecord();
   DeclareReceive();
-  CLI::App* info = Add("info", "what is in a recording, and whether it is whole", RunInfo);
+  CLI::App* info =
+      Add("info", "show the content of a recording, and whether it is complete", RunInfo);
   FileToRead(info);
   info->add_flag("--json", a_.json, "one JSON object");
   DeclarePlay();
   DeclareExport();
+  DeclareExplain();
   DeclareJetStream();
   DeclareFetch();
 }

@@ -10,7 +10,7 @@ namespace styled::rec {
 enum ExitCode : int {
   kExitOk = 0,      // an error of a file, an address or a daemon; the reason on `err`
   kExitFailed = 1,  // the command line is invalid
-  kExitUsage = 2,   // the command line makes no sense
+  kExitUsage = 2,   // the command line is invalid
 };
 
 // Runs stylerec inside the calling process; `arguments` are those after argv[0]. Returns when the

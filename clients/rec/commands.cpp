@@ -96,10 +96,10 @@ Status RunRecord(const Arguments& a, const Dependencies& to) {
          << " missed=" << counts.missed << " odd=" << counts.odd
          << " lost=" << written.lost + written.too_large << " bytes=" << written.bytes << "\n";
   if (counts.messages == 0) {
-    to.err << "stylerec: " << a.file << " has nothing: nothing came\n";
+    to.err << "stylerec: " << a.file << " is empty: nothing arrived\n";
   } else if (counts.messages == counts.statistics && !a.performer.empty()) {
     to.err << "stylerec: " << a.file << " has nothing of " << a.performer << ", only statistics; "
-           << tap.value()->WhoIsThere() << "\n";
+           << tap.value()->ListPerformers() << "\n";
   } else if (counts.messages == counts.statistics && a.topics.empty()) {
     to.err << "stylerec: " << a.file << " has no motion, only statistics\n";
   }

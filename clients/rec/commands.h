@@ -36,6 +36,7 @@ struct Arguments {
   bool loop = false, as_recorded = false;
   std::string what = "rig";
   std::vector<std::pair<const clip::Format*, std::string>> exports;  // the files to write
+  std::uint64_t sequence = 0;  // explain: of this frame; 0: of all
   double rate_hz = 0;                                                // 0: not given
   // jetstream, fetch
   stylenats::LinkOptions broker;
@@ -45,7 +46,7 @@ struct Arguments {
   bool yes = false;
 };
 
-// What a command needs beside its arguments: the stop flag and its output streams.
+// A command's environment besides its arguments: the stop flag and its output streams.
 struct Dependencies {
   const std::atomic<bool>& stop;
   std::ostream& out;  // the summary line
@@ -56,17 +57,19 @@ struct Dependencies {
 Status RunRecord(const Arguments& arguments, const Dependencies& to);
 Status RunReceive(const Arguments& arguments, const Dependencies& to);
 Status RunInfo(const Arguments& arguments, const Dependencies& to);
-// Checks what `play` cannot do with this command line, e.g. a --to for a source that is not in the
-// recording. An unreadable file is reported by RunPlay.
+// Checks whether `play` can work with this command line, e.g. a --to for a source that is not in
+// the recording. An unreadable file is reported by RunPlay.
 Status CheckPlay(const Arguments& arguments);
+// Writes what the daemon made of a performer's frames, and why, as it recorded it.
+Status RunExplain(const Arguments& arguments, const Dependencies& to);
 Status RunPlay(const Arguments& arguments, const Dependencies& to);
 Status RunExport(const Arguments& arguments, const Dependencies& to);
-// Where libnats was missing, these two say so.
+// If libnats was missing at build time, these two report that.
 Status RunJetStream(const Arguments& arguments, const Dependencies& to);
 Status RunFetch(const Arguments& arguments, const Dependencies& to);
 
 Result<std::unique_ptr<recording::Reader>> OpenRecording(const Arguments& arguments);
-// Writes to `err` what is damaged; nothing if the file is intact.
+// Writes the damage to `err`; nothing if the file is intact.
 void ReportDamage(const recording::Reader& reader, const Dependencies& to);
 // Splits "NAME=ADDRESS": returns NAME and removes it from `address`; "" if there is no name.
 std::string CutName(std::string& address);

@@ -1,5 +1,5 @@
-// Converts a take to the motion that an export format writes: at a constant rate where the format
-// has one, with the times of the frames otherwise. Units stay the rig's.
+// Converts a take to the motion that an export format writes: at a constant rate if the format has
+// one, otherwise with the times of the frames. Units stay the rig's.
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +9,8 @@
 namespace styled::rec {
 namespace {
 
-// A clip has at most so many frames per frame of the take, beside a fixed number: a minute and a
-// half at 1000 Hz.
+// A clip has at most this many frames per frame of the take, in addition to a fixed number: a
+// minute and a half at 1000 Hz.
 constexpr double kFramesPerFrame = 16, kFrames = 1e5;
 
 // The nominal rate: "120" for a median step of 8.3333 ms. An integer or an NTSC rate, if one is

@@ -217,7 +217,7 @@ json MakeJson(const recording::Reader& reader, const Summary& summary) {
 void Info(recording::Reader& reader, bool as_json, std::ostream& out) {
   const Summary summary = Gather(reader);
   if (as_json) {
-    // All but ASCII is escaped: among it are control characters of its own.
+    // Everything but ASCII is escaped, because it includes control characters.
     out << MakeJson(reader, summary).dump(-1, ' ', true, json::error_handler_t::replace) << "\n";
   } else {
     WriteText(reader, summary, out);

@@ -1,4 +1,4 @@
-// The commands that need libnats, where it was not there when stylerec was built.
+// The commands that need libnats, for a stylerec that was built without it.
 #include "clients/rec/commands.h"
 
 namespace styled::rec {

@@ -13,7 +13,7 @@ class Outlet {
   // depends on: the bodies.
   virtual void Note(const recording::Record& record) = 0;
   // Plays a record that is due. An error ends playback.
-  virtual Status Take(const recording::Record& record) = 0;
+  virtual Status Play(const recording::Record& record) = 0;
   // Called at least every 20 ms while no record is due.
   virtual void Idle() {}
   // The recording starts again (--loop).

@@ -37,7 +37,7 @@ class Pass {
       WaitFor(record.time_ns());
       if (stop_) break;
       for (Outlet* const outlet : outlets_) {
-        Status status = outlet->Take(record);
+        Status status = outlet->Play(record);
         if (!status.ok()) return status;
       }
       ++counts_.records;

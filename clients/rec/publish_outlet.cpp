@@ -76,7 +76,7 @@ void PublishOutlet::Send(const std::string& topic, const std::string& payload) {
   ++counts_.dropped;
 }
 
-Status PublishOutlet::Take(const recording::Record& record) {
+Status PublishOutlet::Play(const recording::Record& record) {
   if (!record.has_published()) return Status::Ok();
   Idle();
   if (announce_) SendBodies("");

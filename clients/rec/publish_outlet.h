@@ -17,8 +17,8 @@ struct PublishOutletCounts {
   std::uint64_t dropped = 0;  // no subscriber accepted it within a second
 };
 
-// Stands in for a daemon's publisher: it republishes what was published, and sends the bodies at
-// once to each new subscriber, as WIRE.md requires. At every start and every repetition, frames and
+// Acts as a daemon's publisher: it republishes the recorded messages, and sends the bodies at once
+// to each new subscriber, as WIRE.md requires. At every start and every repetition, frames and
 // statistics get a new epoch; otherwise a subscriber that has already seen them would drop them. A
 // subscriber that does not read delays this outlet by a second and then loses messages.
 class PublishOutlet final : public Outlet {
@@ -28,7 +28,7 @@ class PublishOutlet final : public Outlet {
   static Result<std::unique_ptr<PublishOutlet>> Bind(const std::string& endpoint, bool as_recorded);
 
   void Note(const recording::Record& record) override;
-  Status Take(const recording::Record& record) override;
+  Status Play(const recording::Record& record) override;
   void Idle() override;
   void Restart() override;
 
@@ -49,7 +49,7 @@ class PublishOutlet final : public Outlet {
   bool as_recorded_ = false;
   std::uint64_t salt_ = 0;
   int subscriptions_ = 0;
-  bool announce_ = false;  // some noted bodies have not been sent yet
+  bool announce_ = false;  // some recorded bodies have not been sent yet
   std::map<std::pair<std::string, int>, std::string> bodies_;  // by topic and output: payload
   PublishOutletCounts counts_;
 };

@@ -111,7 +111,7 @@ Status Receiver::Bind(Port port) {
   if (socket->fd < 0 || bind(socket->fd, address.value().get(), address.value().size) != 0) {
     return Status::Error("--listen " + port.listen + ": " + std::strerror(errno));
   }
-  // A refused buffer size is no error: a quiet machine does not need it.
+  // A refused buffer size is not an error: a quiet machine does not need it.
   (void)setsockopt(socket->fd, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
   constexpr int kOn = 1;
   (void)setsockopt(socket->fd, SOL_SOCKET, SO_RXQ_OVFL, &kOn, sizeof kOn);

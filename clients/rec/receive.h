@@ -25,10 +25,10 @@ struct ReceiveCounts {
   std::uint64_t dropped = 0;    // lost in the kernel because its buffer was full
 };
 
-// Takes the daemon's place as the receiver of a rig and records every datagram before anything can
-// reject it. With `forward` it stands between rig and daemon: each sender is forwarded from its own
-// socket, and replies to that socket go back to the sender (they are not recorded). At most 64
-// senders are forwarded.
+// Receives a rig's datagrams instead of the daemon and records every one before anything can reject
+// it. With `forward` it is between rig and daemon: each sender is forwarded from its own socket,
+// and replies to that socket go back to the sender (they are not recorded). At most 64 senders are
+// forwarded.
 class Receiver {
  public:
   // Binds. Errors name the address.

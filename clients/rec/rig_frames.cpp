@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "clients/cpp/subscriber.h"
+#include "model/base/crc32c.h"
 
 namespace styled::rec {
 namespace {
@@ -39,7 +40,7 @@ void RigFrames::NoteBody(const std::string& topic, const std::string& payload) {
   }
   Body& known = bodies_[id][hash];
   known.payload = body.SerializeAsString();
-  known.crc = native::Crc32c(std::as_bytes(std::span(known.payload)));
+  known.crc = Crc32c(std::as_bytes(std::span(known.payload)));
   known.joints = body.names_size();
 }
 
@@ -49,17 +50,17 @@ void RigFrames::Note(const recording::Record& record) {
   }
 }
 
-void RigFrames::Take(const recording::Record& record, const Send& send) {
+void RigFrames::Apply(const recording::Record& record, const Send& send) {
   const std::string& topic = record.published().topic();
   if (topic.starts_with("body/")) return NoteBody(topic, record.published().payload());
   const std::string id = IdOfTopic(topic, "source/");
   if (id.empty() || !frame_.ParseFromString(record.published().payload())) return;
   // A stale frame repeats the last pose; the rig sent nothing.
   if ((frame_.flags() & styled::v1::FLAG_STALE) != 0) return;
-  TakeFrame(id, record.time_ns(), send);
+  ApplyFrame(id, record.time_ns(), send);
 }
 
-void RigFrames::TakeFrame(const std::string& id, std::int64_t time_ns, const Send& send) {
+void RigFrames::ApplyFrame(const std::string& id, std::int64_t time_ns, const Send& send) {
   const auto known = bodies_[id].find(frame_.body_hash());
   if (known == bodies_[id].end() || frame_.rotations_size() != 4 * known->second.joints) {
     ++without_body_;

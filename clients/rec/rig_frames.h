@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,11 +15,11 @@
 
 namespace styled::rec {
 
-// Reconstructs a rig's datagrams (proto/styled/v1/WIRE.md) from what the daemon published about it
-// on body/ and source/. With it, a recording of a publisher can be played into a daemon. Source
-// times, poses and bodies are the rig's, and a joint that the daemon held is sent as unknown again.
-// The styled output is therefore bit-identical to the recorded one. The exception is a jump of
-// metres that the daemon held: only a recording of arrivals contains what was sent. One thread;
+// Reconstructs a rig's datagrams (proto/styled/v1/WIRE.md) from the daemon's messages about it on
+// body/ and source/. With it, a recording of a publisher can be played into a daemon. Source times,
+// poses and bodies are the rig's, and a joint that the daemon held is sent as unknown again. The
+// styled output is therefore bit-identical to the recorded one. The exception is a jump of metres
+// that the daemon held: only a recording of arrivals contains the original data. One thread;
 // allocates.
 class RigFrames {
  public:
@@ -34,7 +33,7 @@ class RigFrames {
   void Note(const recording::Record& record);
   // Stores a body, or sends a frame. The body is sent before the frame if it has changed, and once
   // per second.
-  void Take(const recording::Record& record, const Send& send);
+  void Apply(const recording::Record& record, const Send& send);
   // Starts a new session for every performer.
   void Restart() { performers_.clear(); }
 
@@ -55,7 +54,7 @@ class RigFrames {
   };
 
   void NoteBody(const std::string& topic, const std::string& payload);
-  void TakeFrame(const std::string& id, std::int64_t time_ns, const Send& send);
+  void ApplyFrame(const std::string& id, std::int64_t time_ns, const Send& send);
   void SendDatagram(native::Kind kind, Performer& performer, const std::string& source,
                     const std::string& payload, const Send& send);
 

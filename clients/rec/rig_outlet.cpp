@@ -68,17 +68,17 @@ void RigOutlet::Note(const recording::Record& record) {
 Status RigOutlet::Begin() {
   const auto noted = std::exchange(noted_, {});
   for (const auto& [id, record] : noted) {
-    Status status = Take(record);
+    Status status = Play(record);
     if (!status.ok()) return status;
   }
   return Status::Ok();
 }
 
-Status RigOutlet::Take(const recording::Record& record) {
+Status RigOutlet::Play(const recording::Record& record) {
   if (options_.from_published) {
     if (!record.has_published()) return Status::Ok();
     Status status = Status::Ok();
-    rig_frames_.Take(record, [&](const std::string& source, std::span<const std::byte> datagram) {
+    rig_frames_.Apply(record, [&](const std::string& source, std::span<const std::byte> datagram) {
       if (status.ok()) status = Deliver({source, "", ""}, record.time_ns(), datagram);
     });
     return status;

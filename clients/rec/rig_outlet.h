@@ -22,7 +22,8 @@ struct RigOutletOptions {
   // during recording (this machine if it was a wildcard address).
   std::map<std::string, std::string> to;
   bool as_recorded = false;     // keep the session ids of native datagrams
-  bool from_published = false;  // there are no arrivals: reconstruct them from what was published
+  bool from_published = false;  // there are no arrivals: reconstruct them from the published
+                                // messages
   double start_wait_ms = 2000;  // wait for a TCP listener
 };
 
@@ -31,19 +32,19 @@ struct RigOutletCounts {
   std::uint64_t elsewhere = 0;  // from sources without an entry in `to`
 };
 
-// Sends recorded datagrams to where they should arrive again, from one socket or connection per
-// recorded sender. Datagrams of the native protocol (proto/styled/v1/WIRE.md) get new session ids;
-// otherwise a daemon that has seen the recording would drop them as repetitions. All others are
-// sent unchanged. Pieces of a native TCP stream are first joined to whole datagrams. Before a
-// performer's new session the outlet keeps the recorded silence, up to 150 ms at any speed, because
-// the daemon accepts a new session only after such a pause.
+// Sends recorded datagrams to the addresses where they should arrive again, from one socket or
+// connection per recorded sender. Datagrams of the native protocol (proto/styled/v1/WIRE.md) get
+// new session ids; otherwise a daemon that has seen the recording would drop them as repetitions.
+// All others are sent unchanged. Pieces of a native TCP stream are first joined to whole datagrams.
+// Before a performer's new session the outlet keeps the recorded silence, up to 150 ms at any
+// speed, because the daemon accepts a new session only after such a pause.
 class RigOutlet final : public Outlet {
  public:
   // `steering` may be null; otherwise it is notified of each datagram and limits the pace.
   RigOutlet(RigOutletOptions options, player::Clock& clock, Steering* steering);
 
   void Note(const recording::Record& record) override;
-  Status Take(const recording::Record& record) override;
+  Status Play(const recording::Record& record) override;
   void Restart() override;
 
   const RigOutletCounts& counts() const { return counts_; }

@@ -73,9 +73,9 @@ void Steering::BeforeSending() {
   ++sent_;
 }
 
-void Steering::Note(const recording::Record& record) { (void)Take(record); }
+void Steering::Note(const recording::Record& record) { (void)Play(record); }
 
-Status Steering::Take(const recording::Record& record) {
+Status Steering::Play(const recording::Record& record) {
   if (!record.has_command()) return Status::Ok();
   CatchUp();
   styled::v1::Request request = record.command().request();

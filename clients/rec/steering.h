@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,7 +26,7 @@ class Steering final : public Outlet {
       const std::optional<client::Curve>& curve = std::nullopt);
 
   void Note(const recording::Record& record) override;  // commands are repeated, too
-  Status Take(const recording::Record& record) override;
+  Status Play(const recording::Record& record) override;
   void Restart() override {}
   void Finish() override { CatchUp(); }
 
@@ -37,7 +36,7 @@ class Steering final : public Outlet {
   void CatchUp() { Settle(0); }
 
   std::uint64_t commands() const { return commands_; }
-  // What the daemon refused, one line each.
+  // The daemon's refusals, one line each.
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "clients/cpp/transforms.h"
 #include "clients/rec/rig_frames.h"
+#include "model/base/crc32c.h"
 #include "model/rig/binding.h"
 #include "model/rig/dialects.h"
 
@@ -92,7 +92,7 @@ class Finder {
       styled::v1::Body body;
       if (body.ParseFromArray(datagram.payload.data(), size) && body.performer() == name_ &&
           client::Validate(body) == client::BodyError::kNone) {
-        last_body_ = native::Crc32c(datagram.payload);
+        last_body_ = Crc32c(datagram.payload);
         bodies_[last_body_] = std::move(body);
       }
       return std::nullopt;
@@ -163,7 +163,7 @@ std::string Holdings(recording::Reader& reader) {
   }
   std::string text;
   for (const std::string& one : held) text += (text.empty() ? "" : ", ") + one;
-  return text.empty() ? "nothing of the kind" : text;
+  return text.empty() ? "nothing to export" : text;
 }
 
 // Counts the frames of each body.
@@ -190,7 +190,7 @@ Vec3 AxisBetween(const std::vector<Vec3>& places, int from, int to) {
 }
 
 // Derives the axes from the T-pose, and the unit if it is not given, as the daemon's binding does
-// (daemon/pipeline/body_binding.cpp).
+// (daemon/perform/performer/body_binding.cpp).
 void LookAtRest(Take& take) {
   const auto& skeleton = take.skeleton;
   rig::BindingSpec spec;
@@ -229,7 +229,7 @@ void FindMeasures(const styled::v1::Body& body, Take& take) {
   }
   if (rest.empty()) return;
   take.rest = std::move(rest);
-  LookAtRest(take);
+  ReadRest(take);
 }
 
 void SetSkeleton(const styled::v1::Body& body, Take& take) {
@@ -265,7 +265,7 @@ bool AddPose(const Frame& frame, Take& take) {
   return true;
 }
 
-// Lets the times begin with 0, and leaves out what exceeds kLongestPause_s of a pause.
+// Shifts the times to begin with 0, and removes the part of a pause beyond kLongestPause_s.
 void ShortenPauses(Take& take) {
   double before_s = take.times_s.front(), left_out_s = before_s;
   for (double& time_s : take.times_s) {

@@ -11,7 +11,7 @@
 
 namespace styled::rec {
 
-// Which motion of a performer.
+// Selects a motion of a performer.
 enum class What {
   kRig,        // styled, on the rig's own skeleton
   kCanonical,  // styled, on the canonical humanoid
@@ -19,8 +19,8 @@ enum class What {
   kAvatar,     // styled, on the skeleton of an [[output]]
 };
 
-// A pause of a recording is exported as the motion between two poses, at the rate of the frames: a
-// performer who came back after a day would fill the memory.
+// A pause of a recording is exported as the motion between two poses, at the rate of the frames. A
+// performer who returns after a day would otherwise fill the memory.
 inline constexpr double kLongestPause_s = 10;
 
 // A recorded motion of a performer: on one skeleton, at the source times of its frames.
@@ -33,7 +33,7 @@ struct Take {
   rig::Quat canonical_from_source = rig::Quat::Identity();
   std::vector<double> times_s;  // increasing, starts at 0
   std::vector<rig::RigPose> frames;
-  // Pauses that were longer than kLongestPause_s and are that long now, and what was left out.
+  // Pauses that were longer than kLongestPause_s and are shortened to that, and the removed time.
   std::uint64_t pauses = 0;
   double left_out_s = 0;
   // Frames skipped because the body changed; the most frequent body is used.
@@ -44,7 +44,7 @@ struct Take {
 
 // Reads all of `reader`, twice. `kSource` is taken from source/ or, if that is missing, from native
 // datagrams among the arrivals. `output`: the name of the [[output]], for `kAvatar`. Errors name
-// the file and what it does contain, or are of more than 2 GiB of poses. Allocates.
+// the file and its actual content; more than 2 GiB of poses is an error, too. Allocates.
 Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, What what,
                       const std::string& output = "");
 

@@ -25,7 +25,7 @@ constexpr std::int64_t kMaxMessage = 1 << 20;
 // Counts the frames missing in each topic.
 class Gaps {
  public:
-  // Nothing: the frame has been here. Two daemons that stand in for each other both send it.
+  // Returns nothing for a frame that was already received: both daemons of a pair send it.
   std::optional<std::uint64_t> Look(const std::string& topic, const std::string& payload) {
     const bool one = topic.starts_with("styled/") || topic.starts_with("source/");
     if (!one || !frame_.ParseFromString(payload)) {
@@ -137,15 +137,15 @@ bool Tap::Impl::Counts(const recording::Published& published) {
   return true;
 }
 
-// Describes what should have arrived by now, as a sentence; "" if it has.
+// Describes the messages that should have arrived by now, as a sentence; "" if they have.
 std::string Tap::Impl::Missing() const {
   std::string from;
   for (const auto& endpoint : options.endpoints) from += (from.empty() ? "" : ", ") + endpoint;
   if (counts.messages == 0) {
-    return "nothing has come from " + from + " for 3 s; is styled running there?";
+    return "nothing has arrived from " + from + " for 3 s; is styled running there?";
   }
   if (options.performer.empty() || counts.messages > counts.statistics) return "";
-  return "nothing of " + options.performer + " has come from " + from + " for 3 s; ";
+  return "nothing of " + options.performer + " has arrived from " + from + " for 3 s; ";
 }
 
 Status Tap::Impl::Drain(recording::FileWriter& writer) {
@@ -195,7 +195,7 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
     judged = true;
     const std::string missing = impl_->Missing();
     if (missing.empty()) return;
-    err << "stylerec: " << missing << (heard ? WhoIsThere() : "") << "\n" << std::flush;
+    err << "stylerec: " << missing << (heard ? ListPerformers() : "") << "\n" << std::flush;
   };
   while (status.ok() && !stop && !over()) {
     impl_->Wait(writer);
@@ -205,13 +205,13 @@ Status Tap::Run(recording::FileWriter& writer, const std::atomic<bool>& stop, st
     judge();
   }
   judge();
-  if (status.ok()) status = impl_->Drain(writer);  // what arrived before the end
+  if (status.ok()) status = impl_->Drain(writer);  // messages that arrived before the end
   const Status flushed = writer.Flush();
   return status.ok() ? flushed : status;
 }
 
-std::string Tap::WhoIsThere() const {
-  if (impl_->there.empty()) return "nobody is there";
+std::string Tap::ListPerformers() const {
+  if (impl_->there.empty()) return "no performer is present";
   std::string list;
   for (const auto& id : impl_->there) list += (list.empty() ? "" : ", ") + ForTerminal(id);
   return "there " + std::string(impl_->there.size() == 1 ? "is " : "are ") + list;

@@ -31,7 +31,7 @@ struct TapCounts {
   std::uint64_t odd = 0;         // skipped: messages that are not topic and payload
 };
 
-// Subscribes to daemons and records what they publish, each frame once. If no daemon listens there
+// Subscribes to daemons and records their messages, each frame once. If no daemon listens there
 // yet, it waits. One thread.
 class Tap {
  public:
@@ -46,7 +46,7 @@ class Tap {
   Status Run(recording::FileWriter& writer, const std::atomic<bool>& stop, std::ostream& err);
   const TapCounts& counts() const;
   // "there are rig.anna, rig.ben": the performers in the received statistics.
-  std::string WhoIsThere() const;
+  std::string ListPerformers() const;
 
  private:
   struct Impl;

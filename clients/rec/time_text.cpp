@@ -31,7 +31,7 @@ Result<std::int64_t> ParseAgo(const std::string& text, std::int64_t now_ns) {
 Result<std::int64_t> ParseTime(const std::string& text, std::int64_t now_ns) {
   if (text.starts_with('-')) return ParseAgo(text, now_ns);
   const Status wrong = Status::Error(
-      "'" + text + "': expected e.g. 2026-11-26T14:03:05, with Z behind it for UTC, or -15m");
+      "'" + text + "': expected e.g. 2026-11-26T14:03:05, with Z at its end for UTC, or -15m");
   std::tm parts{};
   const char* rest = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
   if (rest == nullptr) {

@@ -28,43 +28,44 @@ struct Arguments {
 
 void Declare(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", "stylevmc " STYLED_VERSION);
-  app.add_option("--to", a.to,
-                 "where an application listens for VMC, [PERFORMER=]HOST:PORT; may be given many "
-                 "times, default port of most: 39539")
+  app.add_option(
+         "--to", a.to,
+         "address of an application that listens for VMC, [PERFORMER=]HOST:PORT; may be repeated, "
+         "usual port: 39539")
       ->allow_extra_args(false)
       ->required();
   app.add_option("--performer", a.options.performer,
-                 "SOURCE.NAME, for targets that name none; default: the first one seen, another "
+                 "SOURCE.NAME, for targets without one; default: the first one seen, another "
                  "once that one was silent for 5 s")
       ->check([](const std::string& id) {
         if (client::IsPerformerId(id)) return std::string();
         return "'" + id + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each)";
       });
-  app.add_option("--publish", a.options.publishers,
-                 "the daemon's publisher; may be given many times")
+  app.add_option("--publish", a.options.publishers, "the daemon's publisher; may be repeated")
       ->envname("STYLED_PUBLISHER")
       ->allow_extra_args(false)
       ->capture_default_str();
   client::Declare(app, a.keys);
   app.add_option("--rate", a.options.rate_hz,
-                 "at most so many frames per second of each performer (VSeeFace is known to fail "
+                 "maximum frames per second of each performer (VSeeFace is known to fail "
                  "above 200)")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
-  app.add_option("--root", a.root,
-                 "what carries the performer through the room: hips (the root stays at the "
-                 "origin) or root (it moves over the floor)")
+  app.add_option(
+         "--root", a.root,
+         "the bone that carries the performer through the room: hips (the root stays at the "
+         "origin) or root (it moves over the floor)")
       ->check(CLI::IsMember({"hips", "root"}))
       ->capture_default_str();
   app.add_option("--as", a.as,
-                 "what to send: vmc, or vrchat: OSC trackers for VRChat, whose usual port is 9000")
+                 "protocol: vmc, or vrchat: OSC trackers for VRChat, whose usual port is 9000")
       ->check(CLI::IsMember({"vmc", "vrchat"}))
       ->capture_default_str();
   app.add_option("--trackers", a.trackers,
                  "with --as vrchat: hip, feet, knees, chest, elbows, separated by commas, or all")
       ->capture_default_str();
   app.add_option("--user-height", a.user_height_m,
-                 "with --as vrchat: height in metres of the person whose avatar it is, to which "
+                 "with --as vrchat: height in metres of the avatar's user, to which "
                  "the performer is scaled; 0: unscaled")
       ->check(CLI::Range(0.0, 3.0))
       ->capture_default_str();

@@ -95,7 +95,7 @@ void Forwarder::Forward(const client::Update& update, Channel& channel, std::int
     if (!status.ok()) counts.last_error = status.message();
   }
   if (!channel.usable) return;
-  if (!channel.cap.Take(update.frame.source_time_ns(), now_ns)) {
+  if (!channel.cap.Admit(update.frame.source_time_ns(), now_ns)) {
     ++counts.thinned;
     return;
   }

@@ -30,7 +30,7 @@ bool RateCap::IsDue(std::uint64_t source_time_ns) {
   return true;
 }
 
-bool RateCap::Take(std::uint64_t source_time_ns, std::int64_t now_ns) {
+bool RateCap::Admit(std::uint64_t source_time_ns, std::int64_t now_ns) {
   // Token bucket by arrival time: refilled at kHurry times the rate, holds at most kBurst frames.
   const double passed_ns = refilled_ns_ == 0 ? 0.0 : static_cast<double>(now_ns - refilled_ns_);
   refilled_ns_ = now_ns;

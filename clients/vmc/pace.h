@@ -13,7 +13,7 @@ class RateCap {
   explicit RateCap(double rate_hz);  // > 0
 
   // Whether to send the frame with this source time that arrived at `now_ns` (monotonic clock).
-  bool Take(std::uint64_t source_time_ns, std::int64_t now_ns);
+  bool Admit(std::uint64_t source_time_ns, std::int64_t now_ns);
 
  private:
   bool IsDue(std::uint64_t source_time_ns);

@@ -14,7 +14,7 @@ using body::Vec3;
 
 constexpr std::int64_t kPause_ns = 1'000'000'000;
 
-// A tracker is at one joint and turns as another: a knee's as the thigh.
+// A tracker has the position of one joint and the rotation of another: a knee's has the thigh's.
 struct Row {
   int at, turns_as;
 };

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "model/base/status.h"
 #include "model/body/pose.h"
@@ -14,22 +13,22 @@
 
 namespace styled::stylevmc {
 
-// Which trackers VRChat gets, by SlimeVR's numbers: bit 1 hip, 2 and 3 feet, 4 and 5 knees, 6
+// The trackers that VRChat gets, by SlimeVR's numbers: bit 1 hip, 2 and 3 feet, 4 and 5 knees, 6
 // chest, 7 and 8 elbows. Parses "hip,feet,knees,chest,elbows", or "all". Errors name the word.
 Result<std::uint32_t> ParseTrackerSet(const std::string& list);
 
-// Converts frames on the canonical humanoid to VRChat's OSC trackers: where the hips, the feet, the
-// knees, the chest and the elbows are and how hips, feet, thighs, chest and upper arms are turned,
-// in Unity's axes. The head's position goes with each frame; its heading with the first one, and
-// with the first one after a new session, a pause of more than a second, or another performer
-// (Bind): VRChat turns its space by it.
+// Converts frames on the canonical humanoid to VRChat's OSC trackers: positions of the hips, the
+// feet, the knees, the chest and the elbows, and rotations of hips, feet, thighs, chest and upper
+// arms, in Unity's axes. The head's position is sent with each frame; its heading only with the
+// first one, and with the first one after a new session, a pause of more than a second, or another
+// performer (Bind), because VRChat rotates its space by it.
 //
 // One thread. Pinned by tests/unit/vmc_out/vrchat_feed_test.cpp.
 class VrChatFeed {
  public:
   struct Options {
     std::uint32_t trackers = 0;  // ParseTrackerSet
-    // Of the person in VRChat, metres; 0: places are sent as they are published.
+    // Of the person in VRChat, metres; 0: positions are sent unscaled.
     double user_height_m = 0;
   };
   // The height of the canonical humanoid: its head's joint, and a head above it.

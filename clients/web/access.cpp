@@ -23,7 +23,8 @@ bool IsIpv6(std::string_view name) noexcept {
          All(name.substr(1, name.size() - 2), inside);
 }
 
-// Digits and dots alone are no name that a site can register: the last label of one has a letter.
+// A name of digits and dots alone cannot be registered by a site: its last label would need a
+// letter.
 bool IsIpv4(std::string_view name) noexcept {
   return !name.empty() && IsDigit(name.front()) && IsDigit(name.back()) &&
          All(name, [](char c) { return IsDigit(c) || c == '.'; });
@@ -136,7 +137,7 @@ std::string_view Explain(Verdict verdict) noexcept {
     case Verdict::kAllowed:
       return "";
     case Verdict::kTwice:
-      return "Host or Origin is there twice; expected each at most once";
+      return "Host or Origin occurs twice; expected each at most once";
     case Verdict::kHost:
       return "this gateway is not known by that name: call it by its address (on its own machine "
              "localhost), or name it with --host";

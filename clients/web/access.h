@@ -10,13 +10,13 @@
 
 namespace styled::web {
 
-// Which HTTP requests are answered. A web site can point its own name at this machine (DNS
-// rebinding); a browser then sends that name as Host. So on a loopback address Host must be a
-// loopback name, on another address without a token a numeric address or a loopback name, and on
-// both a name of `hosts` will do. With a token on another address every name will do: such a site
-// does not have the token. On every address, a page of another site is refused: the browser sends
-// the page's origin (Origin), which must be the gateway's own or listed. Names are compared
-// case-insensitively, and without the dot that may end an absolute name.
+// Decides which HTTP requests are answered. A web site can point its own name at this machine (DNS
+// rebinding); a browser then sends that name as Host. On a loopback address Host must therefore be
+// a loopback name, on another address without a token a numeric address or a loopback name; on
+// both, a name of `hosts` is allowed, too. With a token on another address every name is allowed,
+// because such a site does not have the token. On every address, a page of another site is refused:
+// the browser sends the page's origin (Origin), which must be the gateway's own or listed. Names
+// are compared case-insensitively, and without the dot that may end an absolute name.
 struct AccessRules {
   bool loopback = true;    // the gateway listens on a loopback address
   std::string token = {};  // required if Judge is called with needs_token; "" = none
@@ -36,14 +36,15 @@ struct Credentials {
 };
 
 // kHost: a Host that is malformed, missing or not allowed. kTwice: a second Host or Origin. With
-// two of them, a proxy in front of the gateway may have checked the other one.
+// two of them, a proxy in front of the gateway may have checked the one that the gateway does not
+// read.
 enum class Verdict : std::uint8_t { kAllowed, kTwice, kHost, kOrigin, kToken };
 
 // `needs_token`: true for everything but the page itself, which is public. Any thread; allocates
 // nothing.
 Verdict Judge(const AccessRules& rules, const Credentials& credentials, bool needs_token) noexcept;
 
-// Whether it is a name or address as Host has it, without a port: [::1], 10.0.0.5, stage.lan. Any
+// Whether the text is a name or address as in Host, without a port: [::1], 10.0.0.5, stage.lan. Any
 // thread.
 bool IsHostName(std::string_view name) noexcept;
 

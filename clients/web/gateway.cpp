@@ -68,7 +68,7 @@ Status Gateway::Prepare() {
     }
   }
   access.hosts = options.hosts;
-  // A machine knows itself by its name, and by the one that it has in the local network.
+  // A machine's own name, and its name in the local network.
   std::array<char, 256> own{};
   if (gethostname(own.data(), own.size() - 1) == 0 && IsHostName(own.data())) {
     access.hosts.emplace_back(own.data());
@@ -108,7 +108,7 @@ Status Gateway::Listen() {
   access.loopback = endpoint.value().address().is_loopback();
   if (!access.loopback && access.token.empty() && !options.allow_unauthenticated_remote) {
     return Status::Error("--listen " + options.listen +
-                         " can be reached by others: give --token-file, or say "
+                         " can be reached by others: give --token-file, or "
                          "--allow-unauthenticated-remote if everyone there may watch and control");
   }
   boost::system::error_code error;

@@ -22,7 +22,7 @@ bool Mailbox::Put(MessagePtr message) {
   return true;
 }
 
-MessagePtr Mailbox::Take() {
+MessagePtr Mailbox::Pop() {
   if (waiting_.empty()) return nullptr;
   MessagePtr message = std::move(waiting_.front());
   waiting_.pop_front();

@@ -27,7 +27,7 @@ class Mailbox {
   // is true.
   bool Put(MessagePtr message);
   // Removes and returns the message that has waited longest; null if the queue is empty.
-  MessagePtr Take();
+  MessagePtr Pop();
   std::size_t size() const { return waiting_.size(); }
 
  private:

@@ -23,7 +23,7 @@ struct Arguments {
 void Declare(CLI::App& app, Arguments& arguments) {
   styled::web::Options& o = arguments.options;
   app.add_option("--listen", o.listen, "HOST:PORT; port 0: any free one")->capture_default_str();
-  app.add_option("--publish,--publisher", o.publish, "where the daemon publishes")
+  app.add_option("--publish,--publisher", o.publish, "the daemon's publisher")
       ->envname("STYLED_PUBLISHER")
       ->capture_default_str();
   app.add_option("--control", o.control, "the daemon's control socket")
@@ -33,7 +33,8 @@ void Declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--page", o.page, "folder of the built page; default: beside the program");
   app.add_option(
       "--token-file", o.token_file,
-      "file whose first line everyone but the page itself has to show: ?token=... or "
+      "file whose first line is the token that all requests except for the page need: ?token=... "
+      "or "
       "Authorization: Bearer ...; needed on other addresses than loopback; refused where others "
       "can read it");
   app.add_flag("--allow-unauthenticated-remote", o.allow_unauthenticated_remote,
@@ -50,7 +51,7 @@ void Declare(CLI::App& app, Arguments& arguments) {
   app.add_flag("--watch-only", o.watch_only, "browsers may not change anything");
   app.add_option(
          "--max-connections", o.max_connections,
-         "at most so many connections; a further one closes the oldest that has not finished its "
+         "maximum number of connections; a further one closes the oldest that has not finished its "
          "request, or is closed itself if there is none")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
@@ -73,8 +74,7 @@ bool WriteReady(const std::string& file, const std::string& address) {
 
 int main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app{"styleweb: shows what styled does in browsers, and lets them control it",
-               "styleweb"};
+  CLI::App app{"styleweb: shows and controls styled in browsers", "styleweb"};
   Declare(app, arguments);
   try {
     app.parse(argc, argv);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cinttypes>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
@@ -55,7 +54,7 @@ class Text {
     Family(name, type, help);
     Sample(value);
   }
-  string Take() { return std::move(out_); }
+  string Finish() { return std::move(out_); }
 
  private:
   string out_, name_;
@@ -68,7 +67,7 @@ void WriteGateway(const Counters& counters, const Gauges& gauges, Text& text) {
   text.One("styled_up", "gauge", "1 while the daemon publishes", gauges.daemon_up ? "1" : "0");
   text.One("styleweb_browsers", "gauge", "WebSockets open", Whole(gauges.browsers));
   text.One("styleweb_connections", "gauge", "connections open", Whole(gauges.connections));
-  text.One("styleweb_subscriptions", "gauge", "distinct topics asked of the daemon",
+  text.One("styleweb_subscriptions", "gauge", "distinct topics subscribed at the daemon",
            Whole(gauges.subscriptions));
   total("styleweb_connections_total", counters.connections, "connections accepted");
   text.Family("styleweb_refused_total", "counter", "connections and requests refused");
@@ -80,7 +79,7 @@ void WriteGateway(const Counters& counters, const Gauges& gauges, Text& text) {
   total("styleweb_sent_messages_total", counters.sent_messages, "messages sent to browsers");
   total("styleweb_sent_bytes_total", counters.sent_bytes, "bytes of those");
   total("styleweb_superseded_messages_total", counters.superseded,
-        "messages not sent because a newer one came before the browser read");
+        "messages not sent because a newer one arrived before the browser read");
   total("styleweb_requests_total", counters.requests, "control requests from browsers");
   total("styleweb_unanswered_requests_total", counters.unanswered,
         "control requests that no daemon answered");
@@ -146,10 +145,10 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
   each("styled_performer_period_seconds", "gauge", "period of the rig, by its own clock",
        [](const P& p) { return Number(p.period_ms() * 1e-3); });
   each("styled_performer_overload_bypass", "gauge",
-       "1 while the style is faded out because the machine cannot keep up",
+       "1 while the style is faded out because the machine is overloaded",
        [](const P& p) { return string(p.overload_bypass() ? "1" : "0"); });
   each("styled_performer_overload_bypassed_total", "counter",
-       "frames sent without style because the machine cannot keep up",
+       "frames sent without style because the machine is overloaded",
        [](const P& p) { return Whole(p.overload_bypassed()); });
   text.Family("styled_performer_latency_seconds", "gauge",
               "from arrival to the end of sending, over the last second; p99 also over the last "
@@ -174,13 +173,13 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.shown().right_leg()), labels + "\"right-leg\"");
   }
   text.Family("styled_performer_turned_degrees", "gauge",
-              "by how much the style turned a joint, mean over the last second");
+              "angle by which the style turned a joint, mean over the last second");
   for (const auto& p : stats.performers()) {
     if (!p.has_turned_deg()) continue;
     text.Sample(Number(p.turned_deg()), "performer=" + Quoted(p.performer()));
   }
   text.Family("styled_performer_moved_centimetres", "gauge",
-              "how far the style moved a limb, mean over the last second");
+              "distance by which the style moved a limb, mean over the last second");
   for (const auto& p : stats.performers()) {
     if (!p.has_moved()) continue;
     const string labels = "performer=" + Quoted(p.performer()) + ",limb=";
@@ -191,7 +190,7 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.moved().feet()), labels + "\"feet\"");
   }
   text.Family("styled_performer_hardly_styled", "gauge",
-              "1 while much of a style is asked for and next to nothing of it is to be seen");
+              "1 while a strong style is set and almost none of it is visible");
   for (const auto& p : stats.performers()) {
     if (!p.has_moved()) continue;
     text.Sample(p.hardly_styled() ? "1" : "0", "performer=" + Quoted(p.performer()));
@@ -203,7 +202,7 @@ void WritePerformers(const v1::Stats& stats, Text& text) {
     text.Sample(Number(p.neutral().learned()), "performer=" + Quoted(p.performer()));
   }
   text.Family("styled_performer_layer_live", "gauge",
-              "1 while a source that is merged into a performer gives its part");
+              "1 while a source that is merged into a performer provides its part");
   for (const auto& p : stats.performers()) {
     for (const auto& layer : p.layers()) {
       text.Sample(layer.live() ? "1" : "0", "performer=" + Quoted(p.performer()) +
@@ -234,7 +233,7 @@ void WriteClock(const v1::ClockState& clock, Text& text) {
   if (!clock.has_ptp()) return;
   text.One("styled_ptp_offset_seconds", "gauge", "from the PTP leader, as ptp4l measured it",
            Number(clock.ptp().offset_s()));
-  text.One("styled_ptp_path_delay_seconds", "gauge", "mean way to the PTP leader",
+  text.One("styled_ptp_path_delay_seconds", "gauge", "mean path delay to the PTP leader",
            Number(clock.ptp().mean_path_delay_s()));
 }
 
@@ -242,21 +241,21 @@ void WriteStandby(const v1::StandbyState& standby, Text& text) {
   text.One("styled_standby_leads", "gauge",
            "1 while this daemon leads, 0 while it follows its peer",
            standby.role() == "leading" ? "1" : "0");
-  text.One("styled_standby_peer_up", "gauge", "1 while the other daemon is heard",
+  text.One("styled_standby_peer_up", "gauge", "1 while the other daemon answers",
            standby.heard() ? "1" : "0");
   text.One("styled_standby_term", "gauge", "number of the leadership",
            std::to_string(standby.term()));
   text.One("styled_standby_takeovers_total", "counter", "how often this daemon has taken over",
            std::to_string(standby.takeovers()));
   if (standby.role() == "leading") return;
-  text.One("styled_standby_ready", "gauge", "1 while it would go on without a jump",
+  text.One("styled_standby_ready", "gauge", "1 while it could take over without a jump",
            standby.ready() ? "1" : "0");
-  text.One("styled_standby_compared_frames_total", "counter", "frames styled as the leader did",
-           std::to_string(standby.compared()));
+  text.One("styled_standby_compared_frames_total", "counter",
+           "frames styled in parallel with the leader", std::to_string(standby.compared()));
   text.One("styled_standby_different_frames_total", "counter",
-           "those of them that came out otherwise", std::to_string(standby.different()));
+           "those of them with a different result", std::to_string(standby.different()));
   text.One("styled_standby_apart_frames_total", "counter",
-           "those of them that differ by more than the last bits", std::to_string(standby.apart()));
+           "those of them that differ by more than rounding", std::to_string(standby.apart()));
   text.One("styled_standby_without_input_performers", "gauge",
            "performers of the leader whose frames do not reach this daemon",
            std::to_string(standby.without_input_size()));
@@ -273,7 +272,7 @@ string PrometheusText(const Counters& counters, const Gauges& gauges, const v1::
     if (daemon->has_clock()) WriteClock(daemon->clock(), text);
     if (daemon->has_standby()) WriteStandby(daemon->standby(), text);
   }
-  return text.Take();
+  return text.Finish();
 }
 
 }  // namespace styled::web

@@ -21,7 +21,8 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 
-constexpr std::size_t kMaxRequestBytes = 8 << 20;  // as the daemon's, of a Like with its clip
+constexpr std::size_t kMaxRequestBytes = 8 << 20;  // like the daemon's limit of a Like with its
+                                                   // clip
 constexpr std::size_t kMaxTextBytes = 64 << 10;    // of a message as text
 constexpr int kMaxRequests = 16;                   // of one browser, without reply
 constexpr std::size_t kMaxNotices = 64;            // without key, queued
@@ -83,7 +84,7 @@ void Session::Offer(const MessagePtr& message) {
 
 void Session::Write() {
   if (writing_ || !open_) return;
-  writing_ = mailbox_.Take();
+  writing_ = mailbox_.Pop();
   if (!writing_) return;
   socket_.text(writing_->text);
   socket_.async_write(asio::buffer(writing_->bytes),
@@ -158,7 +159,7 @@ void Session::ReadTopics(const json& topics, bool subscribe) {
         break;
       case Subscribed::kNoTopic:
         note("'" + topic.substr(0, 128) +
-             "' is no topic, expected e.g. styled/rig.anna/rig/, source/rig.anna/, body/ "
+             "' is not a topic, expected e.g. styled/rig.anna/rig/, source/rig.anna/, body/ "
              "or stats/");
         break;
       case Subscribed::kTooMany:
@@ -178,7 +179,7 @@ void Session::ReadRequest(std::string_view bytes) {
   ++gateway_.counters.requests;
   const std::uint64_t id = request.id();
   const bool asks = request.has_list() || request.has_status() || request.has_preview() ||
-                    request.has_export_style();
+                    request.has_export_style() || request.has_explain();
   if (gateway_.options.watch_only && !asks) {
     v1::Reply reply;
     reply.set_id(id);

@@ -27,7 +27,7 @@ class Upstream {
     std::function<void()> disconnected;  // the connection was lost
   };
 
-  // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys. It is no error if no daemon
+  // Refuses an endpoint that ZeroMQ cannot parse, and invalid keys. It is not an error if no daemon
   // listens there yet.
   static Result<std::unique_ptr<Upstream>> Connect(boost::asio::io_context& io,
                                                    const std::string& endpoint,

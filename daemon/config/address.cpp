@@ -33,7 +33,7 @@ Result<UsbId> ParseUsbId(std::string_view text) {
     return id;
   }
   return Status::Error("\"" + Printable(text, kShown) +
-                       "\" is no USB id: expected VENDOR:PRODUCT in hexadecimal, e.g. "
+                       "\" is not a USB id: expected VENDOR:PRODUCT in hexadecimal, e.g. "
                        "\"1209:7690\"");
 }
 
@@ -73,12 +73,12 @@ Status CheckEndpoint(std::string_view endpoint) {
     const auto parsed = runtime::ParseHostPort(endpoint.substr(kTcp.size()));
     if (parsed.ok() && parsed.value().host == "localhost") {
       return Status::Error("\"" + std::string(endpoint) +
-                           "\": ZeroMQ does not bind to names of hosts; expected 127.0.0.1");
+                           "\": ZeroMQ does not bind to host names; expected 127.0.0.1");
     }
     return parsed.ok() ? Status::Ok() : parsed.status();
   }
   return Status::Error("\"" + Printable(endpoint, kShown) +
-                       "\" is no endpoint: expected tcp://HOST:PORT or ipc://PATH");
+                       "\" is not an endpoint: expected tcp://HOST:PORT or ipc://PATH");
 }
 
 }  // namespace styled::config

@@ -2,12 +2,10 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "model/base/status.h"
@@ -20,7 +18,7 @@
 // range and reason of each key. The values here are the defaults.
 namespace styled::config {
 
-// The body part that carries a tracker which has no skeleton of its own.
+// Assigns a tracker without a skeleton of its own to a body part.
 struct Tracker {
   std::string id;    // as the rig names it, e.g. a MAC address
   std::string part;  // a joint of the canonical humanoid
@@ -37,7 +35,7 @@ struct Smoothing {
 // The words of Source::parts; "fingers": those of both hands.
 inline constexpr std::array<std::string_view, 4> kMergedParts{"face", "fingers", "leftFingers",
                                                               "rightFingers"};
-// The hand that holds a prop of a source, by the prop's name.
+// The hand that holds one of a source's props, by the prop's name.
 using PropHands = std::map<std::string, rig::Hand, std::less<>>;
 
 struct Source {
@@ -53,8 +51,9 @@ struct Source {
   std::string coordinates = "auto";  // bones relative to "global", "local" or as "auto" detects
   std::vector<Tracker> trackers = {};
   rig::JointNames joints = {};  // joint names set by hand, for rigs whose names are not recognized
-  float rate_hz = 100;          // of frames assembled from trackers that have no common clock
-  float delay_s = 0;  // time by which frames are delayed so that bursts leave evenly; 0 = none
+  float rate_hz = 100;          // rate of frames assembled from trackers, which have no common
+                                // clock
+  float delay_s = 0;            // delay of the frames, so that bursts leave evenly; 0 = none
   int receive_buffer_bytes = 4 << 20;
   int max_connections = 64;  // tcp
   std::string usb_id = {};   // "1209:7690"; "" = any SlimeVR receiver (type usb requires an id)
@@ -63,10 +62,10 @@ struct Source {
   // The performer, SOURCE.NAME, that gets the parts of this source; "" = the source has performers
   // of its own.
   std::string merge_into = {};
-  // Of kMergedParts; empty: the face.
+  // Some of kMergedParts; empty: the face.
   std::vector<std::string> parts = {};
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
-  PropHands props = {};               // those that are not named: rig::Hand::kAuto
+  PropHands props = {};               // props without an entry: rig::Hand::kAuto
   int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 
@@ -74,7 +73,7 @@ struct Source {
   bool Merges(std::string_view part) const;
 };
 
-// A further skeleton onto which the styled motion is retargeted and published.
+// An additional skeleton onto which the styled motion is retargeted and published.
 struct Output {
   std::string name;                     // the topic: styled/<performer>/<name>/
   std::string avatar;                   // file: .vrm, .glb, .gltf or .bvh
@@ -119,10 +118,10 @@ struct Security {
 
 struct Model {
   std::string weights;  // "" = the shipped weights
-  // Of a second network, that makes styles of examples; "" = the shipped one beside the shipped
-  // weights, none beside others. "none": none.
+  // File of a second network that makes styles from examples; "" = the shipped one with the shipped
+  // weights, none with others. "none": none.
   std::string examples;
-  std::string precision = "float32";  // of the weights; or "bfloat16"
+  std::string precision = "float32";  // the weights' own, or "bfloat16"
   stylist::Options stylist;
 };
 
@@ -138,13 +137,13 @@ struct Performers {
 
 struct Style {
   std::string initial;  // a preset or a style; "" = bypass
-  std::string library;  // a folder (styles/library.h); "" = none
+  std::string library;  // differences from InitialLook(); no mix
   v1::Look look;        // what else differs from InitialLook(); no mix
 };
 
 struct Preset {
   std::string name;
-  v1::Look look;      // a mix, of styles or aliases
+  v1::Look look;      // a mix of styles or aliases
   std::string place;  // file:line, for errors
 };
 
@@ -166,19 +165,19 @@ struct Osc {
   friend bool operator==(const Osc&, const Osc&) = default;
 };
 
-// Two daemons that stand in for each other.
+// Two daemons, each of which can take over from the other.
 struct Standby {
-  std::string peer;                              // the other one's `address`; "" = none
+  std::string peer;                              // the other daemon's `address`; "" = none
   std::string peer_key;                          // its public key, Z85; "" = none
-  std::string address = "tcp://127.0.0.1:7004";  // of this one's journal
+  std::string address = "tcp://127.0.0.1:7004";  // address of this daemon's journal
   bool allow_unauthenticated_remote = false;
-  bool first = false;   // leads where both have just started
-  float hold_s = 0.1F;  // silence of the leader after which the standby goes on
+  bool first = false;   // leads when both have just started
+  float hold_s = 0.1F;  // silence of the leader after which the standby takes over
   friend bool operator==(const Standby&, const Standby&) = default;
 };
 
 struct Time {
-  std::string ptp4l;  // its management socket; "" = where it usually is
+  std::string ptp4l;  // ptp4l's management socket; "" = the usual path
   friend bool operator==(const Time&, const Time&) = default;
 };
 
@@ -229,7 +228,7 @@ struct Config {
   std::map<std::string, std::string, std::less<>> places;
 };
 
-// A larger file is refused: the manual with all its comments has 13 KiB. The limit also bounds the
+// The largest accepted file: the manual with all its comments has 13 KiB. The limit also bounds the
 // time and memory of a reload during a show.
 inline constexpr std::size_t kMaxFileBytes = 1 << 20;
 // The most entries of each of [[source]], [[output]], [[cue]] and [presets]. Some checks compare
@@ -252,7 +251,7 @@ Result<Override> ParseOverride(const std::string& text);
 
 // Applies the defaults, then `file` ("" = none), then `overrides` in order, then Validate. Errors
 // name file, line, key, the expected value and, for an unknown key, the nearest known one. Any
-// content in place of the file (a pipe, a device, 100,000 nested tables, binary data) gives an
+// other content at the file's path (a pipe, a device, 100,000 nested tables, binary data) gives an
 // error. Start-up and reload only; allocates; any thread.
 Result<Config> Load(const std::string& file, const std::vector<Override>& overrides);
 // The same for the text of a file; errors call it `name`.
@@ -266,7 +265,8 @@ Status Validate(const Config& config);
 
 // Whether a socket at `address` requires keys: the address is not local, a folder of keys is
 // configured, and unauthenticated clients are not allowed.
-bool AsksForKeys(const Config& config, std::string_view address, bool allow_unauthenticated_remote);
+bool RequiresKeys(const Config& config, std::string_view address,
+                  bool allow_unauthenticated_remote);
 
 // IsName: the rule for names of performers and sources (WIRE.md). IsPerformerId: SOURCE.NAME, where
 // both parts are such names.

@@ -147,7 +147,7 @@ void AddLookKeys(Field look, std::vector<Key<T>>& keys) {
   }
 }
 
-// `initial` names what a mix or a preset would.
+// `initial` names the preset or style that `mix` and `preset` would set.
 Section StyleSection() {
   Section section{"style",
                   {Text<Config>("initial", STYLED_FIELD(style.initial)),
@@ -354,7 +354,7 @@ Status ReadPreset(const toml::node& node, Preset& preset) {
 }
 
 std::string Nearest(std::string_view text, const std::vector<std::string_view>& candidates) {
-  if (text.size() > kLongestName) return "";  // nothing is near to that
+  if (text.size() > kLongestName) return "";  // no key is near to that
   std::string_view best;
   std::size_t best_distance = text.size() / 2 + 2;
   for (const auto candidate : candidates) {

@@ -27,7 +27,7 @@ struct Layer {
     return Status::Error(Place(node, origin, is_file) + ": " + Printable(key, kLongestKey) + ": " +
                          what);
   }
-  // Remembers where the key was set.
+  // Records where the key was set.
   void Note(const toml::node& node, const std::string& key, Config& config) const {
     config.places.insert_or_assign(key, Place(node, origin, is_file));
   }
@@ -101,7 +101,7 @@ Status ApplySources(const Layer& layer, const toml::node& node, Config& config) 
   return Status::Ok();
 }
 
-// Reads the [[name]] tables into `out`, one element each, in place of the former elements.
+// Reads the [[name]] tables into `out`, one element each, replacing the former elements.
 template <typename T>
 Status ApplyTables(const Layer& layer, std::string_view section, const std::vector<Key<T>>& keys,
                    const toml::node& node, Config& config, std::vector<T>& out) {

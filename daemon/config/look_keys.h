@@ -9,8 +9,9 @@
 // Start-up, reload and the state file only; allocates.
 namespace styled::config {
 
-// Reads the value of one field into `look`, or says what was expected there and changes nothing.
-// A mix is { style = weight, ... } or, where their order counts, [{ style = "old", weight = 0.5 }].
+// Reads the value of one field into `look`. On an error it returns what was expected and changes
+// nothing. A mix is { style = weight, ... } or, if its order matters, [{ style = "old", weight =
+// 0.5 }].
 Status ReadLookField(const LookField& field, const toml::node& node, v1::Look& look);
 // Every field of a whole look by its name; ReadLookField reads them all back.
 toml::table LookTable(const v1::Look& look);

@@ -41,7 +41,7 @@ std::vector<std::string> MissingInterfaces(const Config& config) {
     const std::string& interface = config.sources[i].interface;
     if (interface.empty() || IsInterface(interface)) continue;
     warnings.push_back("source." + std::to_string(i) + ".interface: \"" + interface +
-                       "\" is not on this machine now; expected an interface's name or its "
+                       "\" does not exist on this machine now; expected an interface's name or its "
                        "IPv4 address");
   }
   return warnings;
@@ -61,7 +61,7 @@ Status CheckRecordFolder(const std::string& file) {
     return Status::Error("record.file: \"" + file + "\": " + folder.string() + ": " + why +
                          ", expected a folder that can be written to");
   };
-  if (!fs::is_directory(folder, error)) return refuse("is no folder");
+  if (!fs::is_directory(folder, error)) return refuse("is not a folder");
   if (access(folder.c_str(), W_OK | X_OK) != 0) return refuse(std::strerror(errno));
   return Status::Ok();
 }

@@ -20,7 +20,7 @@ namespace {
 Status CheckUsb(const Source& source, const std::string& place) {
   if (!source.listen.empty()) {
     return Status::Error(place + "listen: a source of type \"" + source.type +
-                         "\" has no address; usb_id and serial say which devices it means");
+                         "\" has no address; usb_id and serial select its devices");
   }
   if (source.usb_id.empty() && source.type == "usb") {
     return Status::Error(place + "usb_id: missing; expected VENDOR:PRODUCT of the device");
@@ -35,7 +35,7 @@ Status CheckServer(const Source& source, const rigs::RigType& rig) {
   return server.ok() ? ParseGroup(source.group).status() : server.status();
 }
 
-// `server` of a phone that is asked: a daemon that asks itself would never hear of the phone.
+// `server` of a phone: a daemon that names its own address would send the start text to itself.
 Status CheckPhone(const Source& source, const rigs::RigType& rig) {
   const auto phone = ParseServer(source.server, rig.ports[0]);
   if (!phone.ok()) {
@@ -49,7 +49,7 @@ Status CheckPhone(const Source& source, const rigs::RigType& rig) {
       inet_pton(AF_INET, own.value().host.c_str(), &listens) == 1 &&
       listens.s_addr == phone.value().sin_addr.s_addr) {
     return Status::Error("server: \"" + Shown(source.server) +
-                         "\" is where the source itself listens; expected the phone's address");
+                         "\" is the source's own address; expected the phone's address");
   }
   return Status::Ok();
 }
@@ -67,7 +67,7 @@ Status CheckMeaning(const Source& source, const rigs::RigType& rig) {
   return Status::Ok();
 }
 
-// Below this a body would hardly follow its performer.
+// Below this a body would follow its performer too slowly.
 constexpr float kLeastSmooth_hz = 0.1F;
 
 // `merge_into` of source `i`: a performer of another source that has performers.
@@ -111,7 +111,7 @@ std::string Place(const Tracker& row) {
   return "trackers: \"" + Shown(row.id) + "\" = \"" + Shown(row.part) + "\": ";
 }
 
-// What all rows must have; adds the row's part to `parts`.
+// Checks the keys that all rows must have; adds the row's part to `parts`.
 Status CheckRow(const Tracker& row, bool twice, std::vector<int>& parts) {
   const int part = body::FindJoint(row.part);
   if (part < 0) {
@@ -193,7 +193,7 @@ Status CheckDevices(const std::vector<Tracker>& trackers, const rigs::RigType& r
 Result<sockaddr_in> ParseServer(const std::string& text, std::uint16_t default_port) {
   const auto refuse = [&text, default_port] {
     return Status::Error("server: \"" + text +
-                         "\"; expected an IPv4 address, or one and a port, e.g. "
+                         "\"; expected an IPv4 address, or an address and a port, e.g. "
                          "\"192.168.1.10:" +
                          std::to_string(default_port) + "\"");
   };
@@ -222,7 +222,7 @@ Result<in_addr> ParseGroup(const std::string& text) {
 }
 
 Status CheckSources(const std::vector<Source>& sources) {
-  if (sources.empty()) return Status::Error("no [[source]]: nothing could come in");
+  if (sources.empty()) return Status::Error("no [[source]]: the daemon would receive nothing");
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::string place = "source." + std::to_string(i) + ".";
     if (!IsName(sources[i].name)) {

@@ -37,7 +37,7 @@ Status ReadJoints(const toml::node& node, rig::JointNames& out) {
       names.reserve(rows.size());
       for (const auto& row : rows) names.push_back(row.name);
       return Status::Error("\"" + Printable(joint.str(), kLongestName) +
-                           "\" is no joint of the canonical humanoid" +
+                           "\" is not a joint of the canonical humanoid" +
                            Nearest(joint.str(), names));
     }
     if (!name.is_string()) return Expected(expected, name);

@@ -17,7 +17,7 @@ namespace {
 
 bool IsStream(const Source& source) { return rigs::FindSourceType(source.type)->stream; }
 
-// The clients' streams have these names, and whoever writes "Rig" means one.
+// Names of the clients' streams, in any case: a user who writes "Rig" means the stream.
 bool IsAStreams(std::string name) {
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   return name == "rig" || name == "canonical" || name == "source";
@@ -59,11 +59,11 @@ Status CheckSocket(const Config& config, const std::string& name, const Socket& 
   if (!status.ok()) return Status::Error(name + ".address: " + status.message());
   constexpr int kOthersConnect = 0022;
   if (!section.ipc.users.empty() && (section.ipc.mode & kOthersConnect) == 0) {
-    return Status::Error(name + ".ipc_users: no other user gets past " + name +
-                         ".ipc_mode; expected e.g. ipc_mode = \"0666\" beside it");
+    return Status::Error(name + ".ipc_users: no other user is admitted by " + name +
+                         ".ipc_mode; expected also e.g. ipc_mode = \"0666\"");
   }
   const bool open = section.allow_unauthenticated_remote;
-  if (IsLocal(address) || open || AsksForKeys(config, address, open)) return Status::Ok();
+  if (IsLocal(address) || open || RequiresKeys(config, address, open)) return Status::Ok();
   return Status::Error(name + ".address: " + address + " can be reached from other machines, and " +
                        who +
                        " are not authenticated; expected a loopback or ipc:// address, a folder "
@@ -109,7 +109,7 @@ Status CheckOsc(const Osc& osc) {
                        "osc.allow_unauthenticated_remote = true");
 }
 
-// No peer turns it off; the address is then not looked at.
+// Without a peer it is off, and the address is not checked.
 Status CheckStandby(const Config& config) {
   const Standby& standby = config.standby;
   if (standby.peer.empty()) return Status::Ok();
@@ -119,7 +119,7 @@ Status CheckStandby(const Config& config) {
   if (!status.ok()) return Status::Error("standby.peer: " + status.message());
   if (standby.peer == standby.address && !standby.peer.ends_with(":0")) {
     return Status::Error("standby.peer: " + standby.peer +
-                         " is this daemon's own standby.address; expected that of the other one");
+                         " is this daemon's own standby.address; expected the other daemon's");
   }
   constexpr std::size_t kKeyLength = 40;
   if (!standby.peer_key.empty() && standby.peer_key.size() != kKeyLength) {
@@ -133,7 +133,7 @@ Status CheckStandby(const Config& config) {
   const bool here = !IsLocal(standby.address);
   return Status::Error(std::string(here ? "standby.address: " : "standby.peer: ") +
                        (here ? standby.address : standby.peer) +
-                       " is beyond this machine; expected keys (security.keys and "
+                       " is not local to this machine; expected keys (security.keys and "
                        "standby.peer_key), a loopback or ipc:// address, or "
                        "standby.allow_unauthenticated_remote = true on a network that the two "
                        "machines have to themselves");
@@ -195,7 +195,7 @@ Status CheckClashes(const Config& config) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (!Clash(all[i], all[k])) continue;
-      // Blame the address that was set explicitly; the later one if both were.
+      // Reports the address that was set explicitly; the later one if both were.
       const bool first = is_said(all[k]) && !is_said(all[i]);
       const Listener& wrong = first ? all[k] : all[i];
       const Listener& other = first ? all[i] : all[k];
@@ -239,8 +239,8 @@ bool IsPerformerId(std::string_view text) noexcept {
          IsName(text.substr(dot + 1));
 }
 
-bool AsksForKeys(const Config& config, std::string_view address,
-                 bool allow_unauthenticated_remote) {
+bool RequiresKeys(const Config& config, std::string_view address,
+                  bool allow_unauthenticated_remote) {
   return !IsLocal(address) && !config.security.keys.empty() && !allow_unauthenticated_remote;
 }
 
@@ -261,8 +261,8 @@ Status Validate(const Config& config) {
   if (!status.ok()) return status;
   status = CheckCues(config.cues, config.sources);
   if (!status.ok()) return status;
-  if (const auto error = config.model.stylist.Validate(); error != stylist::OptionsError::kNone) {
-    return Status::Error(std::string("model.") + stylist::Expectation(error));
+  if (const auto options = config.model.stylist.Validate(); !options.ok()) {
+    return Status::Error("model." + options.message());
   }
   if (config.performers.late_s > config.performers.backlog_s) {
     return Status::Error("performers.late_ms: expected at most performers.backlog_ms");

@@ -4,6 +4,7 @@
 #include <cerrno>
 
 #include "daemon/control/request_size.h"
+#include "daemon/looks/refusal.h"
 #include "daemon/security/ipc.h"
 #include "daemon/styles/style_requests.h"
 
@@ -81,80 +82,82 @@ void ControlSocket::Handle() {
   if (delimited) envelope.emplace_back();
   if (part_count_ != envelope.size() + 1) {
     counters_.Add(Counter::kControlMalformed);
-    return Refuse(
-        envelope, v1::CODE_MALFORMED,
-        "request of " + std::to_string(part_count_ - envelope.size()) + " parts, expected one");
+    return Refuse(envelope, pipeline::Malformed("request of " +
+                                                std::to_string(part_count_ - envelope.size()) +
+                                                " parts, expected one"));
   }
-  if (const std::string why = Unauthorized(); !why.empty()) {
-    return Refuse(envelope, v1::CODE_UNAUTHORIZED, why);
-  }
+  if (const Status status = CheckSender(); !status.ok()) return Refuse(envelope, status);
   const auto& payload = parts_.back();
-  const auto refuse_size = [&](const std::string& why) {
+  const auto refuse_size = [&](const Status& status) {
     counters_.Add(Counter::kControlTooLarge);
-    Refuse(envelope, v1::CODE_TOO_LARGE, why);
+    Refuse(envelope, status);
   };
-  if (const std::string why = TooLarge(payload.size(), true); !why.empty()) return refuse_size(why);
+  if (const Status status = CheckSize(payload.size(), true); !status.ok()) {
+    return refuse_size(status);
+  }
   if (const RequestSize size = SizeOfRequest(payload); size.beside_file > MostBesideFile(size)) {
     const std::string of_bytes =
         size.beside_file < payload.size() ? " bytes beside its file" : " bytes";
-    return refuse_size("request of " + std::to_string(size.beside_file) + of_bytes +
-                       ", expected at most " + std::to_string(MostBesideFile(size)));
+    return refuse_size(pipeline::Refused(
+        v1::CODE_TOO_LARGE, "request of " + std::to_string(size.beside_file) + of_bytes +
+                                ", expected at most " + std::to_string(MostBesideFile(size))));
   }
   if (!exchange->request.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    if (payload.size() > kMaxRequestBytes) return refuse_size(TooLarge(payload.size(), false));
+    if (payload.size() > kMaxRequestBytes) return refuse_size(CheckSize(payload.size(), false));
     counters_.Add(Counter::kControlMalformed);
-    return Refuse(envelope, v1::CODE_MALFORMED, "not a styled.v1.Request");
+    return Refuse(envelope, pipeline::Malformed("not a styled.v1.Request"));
   }
   const v1::Request& request = exchange->request;
-  const std::string why =
-      TooLarge(payload.size(), request.has_like() || request.has_import_style() ||
-                                   request.has_restore_checkpoint());
-  if (!why.empty()) return refuse_size(why);
-  if (Pass(exchange)) return;
-  Send(exchange->envelope, exchange->reply);
+  const Status size = CheckSize(payload.size(), request.has_like() || request.has_import_style() ||
+                                                    request.has_restore_checkpoint());
+  if (!size.ok()) return refuse_size(size);
+  if (!Pass(exchange).ok()) Send(exchange->envelope, exchange->reply);
 }
 
-std::string ControlSocket::TooLarge(std::size_t bytes, bool has_file) {
+Status ControlSocket::CheckSize(std::size_t bytes, bool has_file) {
   const std::size_t most = has_file ? kMaxFileRequestBytes : kMaxRequestBytes;
-  if (bytes <= most) return "";
-  return "request of " + std::to_string(bytes) + " bytes, expected at most " + std::to_string(most);
+  if (bytes <= most) return Status::Ok();
+  return pipeline::Refused(
+      v1::CODE_TOO_LARGE,
+      "request of " + std::to_string(bytes) + " bytes, expected at most " + std::to_string(most));
 }
 
-// Judged at each request: a client that was revoked, or lost the operator's role, may still be
+// Checked at each request: a client that was revoked, or lost the operator's role, may still be
 // connected.
-std::string ControlSocket::Unauthorized() {
-  if (access_ == nullptr) return "";
+Status ControlSocket::CheckSender() {
+  if (access_ == nullptr) return Status::Ok();
   const char* const key = zmq_msg_gets(&message_, "User-Id");
   const std::string_view known = key == nullptr ? "" : key;
   switch (access_->Judge(known, security::Door::kControl)) {
     case security::Access::Verdict::kAllowed:
-      return "";
+      return Status::Ok();
     case security::Access::Verdict::kRole:
-      return "this key is a subscriber's; expected an operator's";
+      return pipeline::Refused(v1::CODE_UNAUTHORIZED,
+                               "this key is a subscriber's; expected an operator's");
     case security::Access::Verdict::kUnknownKey:
       break;
   }
-  return "this key is no longer allowed";
+  return pipeline::Refused(v1::CODE_UNAUTHORIZED, "this key is no longer allowed");
 }
 
 void ControlSocket::HandleOsc() {
   for (auto& exchange : osc_->Read()) {
     if (exchange->reply.code() != v1::CODE_OK) counters_.Add(Counter::kControlRefused);
-    if (exchange->reply.code() == v1::CODE_OK && Pass(exchange)) continue;
+    if (exchange->reply.code() == v1::CODE_OK && Pass(exchange).ok()) continue;
     osc_->Answer(*exchange);
   }
 }
 
-bool ControlSocket::Busy(pipeline::Exchange& exchange, const std::string& why) {
+Status ControlSocket::Busy(pipeline::Exchange& exchange, const std::string& why) {
   counters_.Add(Counter::kControlBusy);
   counters_.Add(Counter::kControlRefused);
   exchange.reply.set_id(exchange.request.id());
-  exchange.reply.set_code(v1::CODE_BUSY);
-  exchange.reply.set_reason(why);
-  return false;
+  Status status = pipeline::Refused(v1::CODE_BUSY, why);
+  pipeline::FillReply(status, exchange.reply);
+  return status;
 }
 
-bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
+Status ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
   if (in_flight_ == kMaxInFlight) {
     return Busy(*exchange, "too many requests are waiting; try again");
   }
@@ -168,14 +171,13 @@ bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
     mailboxes_.wake_pipeline.Signal();
   }
   ++in_flight_;
-  return true;
+  return Status::Ok();
 }
 
-void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
-                           const std::string& reason) {
+void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope,
+                           const Status& status) {
   v1::Reply reply;
-  reply.set_code(code);
-  reply.set_reason(reason);
+  pipeline::FillReply(status, reply);
   counters_.Add(Counter::kControlRefused);
   Send(envelope, reply);
 }

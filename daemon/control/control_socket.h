@@ -18,7 +18,7 @@
 namespace styled::control {
 
 inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
-// Of a request that has a clip, a style or a checkpoint.
+// The limit of a request that has a clip, a style or a checkpoint.
 inline constexpr std::size_t kMaxFileRequestBytes = 8 * 1024 * 1024;
 
 // The control socket, on its own thread. It parses requests, passes them to the pipeline between
@@ -26,7 +26,7 @@ inline constexpr std::size_t kMaxFileRequestBytes = 8 * 1024 * 1024;
 // answered here. It never waits for the pipeline.
 class ControlSocket {
  public:
-  // `osc` may be null (no OSC), `access` too (no keys required).
+  // `osc` may be null (no OSC), and so may `access` (no keys required).
   ControlSocket(runtime::ZmqSocket socket, std::unique_ptr<OscSocket> osc, security::Access* access,
                 pipeline::Mailboxes& mailboxes, runtime::Counters& counters);
   ~ControlSocket();
@@ -42,17 +42,16 @@ class ControlSocket {
   // Receives one message into `parts_`; false when none is waiting.
   bool Receive();
   void Handle();
-  // The reason why the sender of the last message is not (or no longer) authorized; "" when it is.
-  std::string Unauthorized();
-  // The reason why a request of `bytes` is too large; "" when it is not.
-  static std::string TooLarge(std::size_t bytes, bool has_file);
+  // Whether the sender of the last message is (still) authorized.
+  Status CheckSender();
+  // Whether a request of `bytes` has an allowed size.
+  static Status CheckSize(std::size_t bytes, bool has_file);
   void HandleOsc();
-  // Passes the exchange to the pipeline. With too many in flight it sets the reply instead, moves
-  // nothing and returns false.
-  bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
-  bool Busy(pipeline::Exchange& exchange, const std::string& why);  // false
-  void Refuse(const std::vector<std::vector<std::byte>>& envelope, v1::Code code,
-              const std::string& reason);
+  // Passes the exchange to the pipeline. An error when too many are in flight: nothing is moved
+  // then, and the exchange has its reply.
+  Status Pass(std::unique_ptr<pipeline::Exchange>& exchange);
+  Status Busy(pipeline::Exchange& exchange, const std::string& why);
+  void Refuse(const std::vector<std::vector<std::byte>>& envelope, const Status& status);
   void Send(const std::vector<std::vector<std::byte>>& envelope, const v1::Reply& reply);
 
   runtime::ZmqSocket socket_;
@@ -67,7 +66,7 @@ class ControlSocket {
   std::atomic<bool> stop_{false};
 };
 
-// `keeper` admits only operators with a key; null admits everybody who can reach the address.
+// `keeper` admits only operators with a key; null admits every client that can reach the address.
 Result<std::unique_ptr<ControlSocket>> MakeControlSocket(
     void* context, const config::Control& config, std::unique_ptr<OscSocket> osc,
     pipeline::Mailboxes& mailboxes, runtime::Counters& counters, std::string& endpoint,

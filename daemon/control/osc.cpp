@@ -31,7 +31,7 @@ bool Text(Arguments& arguments, std::string& value) {
   return true;
 }
 
-// Each function below reads its arguments into the request. It returns false when they do not fit.
+// Each function below reads its arguments into the request and returns false when they do not fit.
 bool Style(Arguments& arguments, v1::Request& request) {
   v1::Look& set = *request.mutable_set();
   auto& style = *set.add_mix();
@@ -131,7 +131,7 @@ bool Reset(Arguments&, v1::Request& request) {
   return true;
 }
 
-// No clip: a sender has no key, and a path would open files of this machine to it.
+// No clip by path: a sender of OSC has no key, and a path would let it open files of this machine.
 bool Learn(Arguments& arguments, v1::Request& request) {
   float seconds = 8;
   if (!Text(arguments, *request.mutable_like()->mutable_name())) return false;
@@ -145,14 +145,14 @@ struct Row {
   bool (*read)(Arguments&, v1::Request&);
   std::string_view expected;
 };
-// What a performer has beside the fields of a look; a preset's own request fades, too.
+// The commands of a performer beyond the fields of a look. A preset's own request fades, too.
 constexpr std::array<Row, 6> kOfPerformers{{
-    {"style", Style, "a style and, if wanted, strength and transition in ms"},
-    {"preset", Preset, "a preset and, if wanted, transition in ms"},
+    {"style", Style, "a style and, optionally, strength and transition in ms"},
+    {"preset", Preset, "a preset and, optionally, transition in ms"},
     {"pin", Pin, "1 or 0"},
     {"clear", Clear, "nothing"},
     {"reset", Reset, "nothing"},
-    {"learn", Learn, "a name for the style and, if wanted, 1 to 60 seconds"},
+    {"learn", Learn, "a name for the style and, optionally, 1 to 60 seconds"},
 }};
 
 // The value of a button: TouchOSC sends 1 when it is pressed and 0 when it is released. Only a
@@ -178,8 +178,8 @@ Result<v1::Request> ReadOsc(const Message& message) {
   const std::string rest = address.substr(kRoot.size());
   Arguments arguments(message);
   v1::Request request;
-  // An error of another daemon, or our own that came back. Answering it would start an endless
-  // loop.
+  // An error from another daemon, or one of our own that came back. Answering it would start an
+  // endless loop.
   if (rest == "error") return request;
   if (rest == "panic") {
     const auto pressed = Press(arguments);

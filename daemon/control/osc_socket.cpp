@@ -4,9 +4,7 @@
 #include <sys/socket.h>
 
 #include <array>
-#include <cstring>
 #include <ctime>
-#include <span>
 
 #include "daemon/control/osc.h"
 #include "daemon/runtime/sockets.h"
@@ -80,7 +78,7 @@ std::vector<std::unique_ptr<pipeline::Exchange>> OscSocket::Read() const {
   }
   if (step == Step::kBroken) {
     read.clear();
-    read.push_back(Refused("/", "is no OSC: " + std::string(vmc::osc::Name(reader.result()))));
+    read.push_back(Refused("/", "is not OSC: " + std::string(vmc::osc::Name(reader.result()))));
   }
   return read;
 }
@@ -99,8 +97,8 @@ void OscSocket::Answer(const pipeline::Exchange& exchange) {
                  reinterpret_cast<const sockaddr*>(to.data()), static_cast<socklen_t>(to.size()));
   }
   const std::int64_t now_s = std::time(nullptr);
-  if (now_s == said_s_) return;
-  said_s_ = now_s;
+  if (now_s == logged_s_) return;
+  logged_s_ = now_s;
   std::string line = "OSC " + exchange.osc + ": " + exchange.reply.reason();
   for (char& c : line) {
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';

@@ -40,7 +40,7 @@ class OscSocket {
   std::vector<std::byte> buffer_;
   std::size_t size_ = 0;
   std::vector<std::byte> sender_;  // a sockaddr
-  std::int64_t said_s_ = 0;
+  std::int64_t logged_s_ = 0;
 };
 
 }  // namespace styled::control

@@ -15,7 +15,7 @@ namespace {
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
-// Field numbers from a Request to the bytes of a file.
+// The paths of field numbers from a Request to the bytes of a file.
 using Path = std::span<const int>;
 constexpr std::array kClip{int{v1::Request::kLikeFieldNumber}, int{v1::Like::kClipFieldNumber}};
 constexpr std::array kStyleFile{int{v1::Request::kImportStyleFieldNumber},
@@ -24,8 +24,8 @@ constexpr std::array kState{int{v1::Request::kRestoreCheckpointFieldNumber},
                             int{v1::RestoreCheckpoint::kCheckpointFieldNumber},
                             int{v1::Checkpoint::kStateFieldNumber}};
 
-// The bytes that lie at the end of the path in the message up to the stream's limit. Leaves the
-// stream where it does not continue as a message.
+// Counts the bytes at the end of the path in the message, up to the stream's limit. Leaves the
+// stream at the point where it no longer parses as a message.
 std::size_t FileBytes(CodedInputStream& in, Path path) {
   std::size_t bytes = 0;
   while (const std::uint32_t tag = in.ReadTag()) {

@@ -10,7 +10,7 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::int64_t kSecond = 1000;  // one second in a label; more frames than any rate has
+constexpr std::int64_t kSecond = 1000;  // one second in a label, above any frame rate
 constexpr std::int64_t kWinding = 2 * kSecond;
 
 // The change that a cue makes, checked as for a performer without settings of its own.
@@ -22,8 +22,7 @@ Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& pre
     change.mutable_mix(0)->set_weight(1);
   }
   if (const std::string wrong = CheckLook(change); !wrong.empty()) return Status::Error(wrong);
-  std::string why;
-  if (!ProperNames(styles, change, why)) return Status::Error(why);
+  if (Status status = ProperNames(styles, change); !status.ok()) return status;
   v1::Look applied = change;
   if (!change.preset().empty()) {
     const config::Preset* const preset = FindPreset(change.preset(), presets);
@@ -38,8 +37,7 @@ Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& pre
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
   if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
-  why = WithoutVariations(look, styles);
-  return why.empty() ? Status::Ok() : Status::Error(why);
+  return CheckVariations(look, styles);
 }
 
 }  // namespace
@@ -102,7 +100,7 @@ Result<Cue> MakeCue(const config::Cue& cue, const std::vector<config::Preset>& p
                     static_cast<int>(cue.look.mix_size() > 0) + static_cast<int>(cue.look.clear());
   if (mixes > 1) return refuse("expected one of style, preset, mix and clear");
   if (cue.panic == changes) {
-    return refuse("expected what to do: panic alone, or style, preset, mix, clear, strength, ...");
+    return refuse("expected an action: panic alone, or style, preset, mix, clear, strength, ...");
   }
   if (cue.panic) {
     made.request.mutable_panic();

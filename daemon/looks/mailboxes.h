@@ -25,9 +25,9 @@ struct Exchange {
   std::string osc;  // address of the OSC message that the request came from, or ""
   v1::Request request;
   v1::Reply reply;
-  std::vector<body::Pose> take;  // what a performer showed of a style, for Like.learn_s
-  std::optional<Places> places;  // in place of a request: the leader's, to be this daemon's
-  bool followed = false;  // nobody waits for the reply: the leader did this, and its standby does
+  std::vector<body::Pose> take;  // the performer's motion while it showed a style, for Like.learn_s
+  std::optional<Places> places;  // instead of a request: the leader's list of places
+  bool followed = false;         // performed by the leader and repeated here; no client waits
 };
 
 // A log line of the pipeline, which does not log itself.
@@ -37,8 +37,8 @@ struct Event {
   std::string text;
 };
 
-// What the files thread hands to the pipeline: a configuration to take over, or a request whose
-// work it did, or both. The request is answered under the configuration.
+// A message of the files thread to the pipeline: a configuration to adopt, a request that it has
+// executed, or both. The request is answered under the new configuration.
 struct Reload {
   std::shared_ptr<const RuntimeConfig> config;
   std::unique_ptr<Exchange> exchange;
@@ -52,8 +52,8 @@ struct Mailboxes {
   runtime::Ring<std::unique_ptr<Exchange>, 4> takes;      // pipeline -> files
   runtime::Ring<Reload, 4> reloads;                       // files -> pipeline
   runtime::Ring<Event, 256> events;                       // pipeline -> supervisor
-  runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4> profiles;  // pipeline -> files: to keep
-  // This daemon is another one's standby: it takes no orders. Set by the pipeline.
+  runtime::Ring<std::unique_ptr<std::vector<Profile>>, 4> profiles;  // pipeline -> files: to store
+  // This daemon is a standby and refuses requests. Set by the pipeline.
   std::atomic<bool> stands_by{false};
   runtime::Wakeup wake_pipeline, wake_control, wake_files;
 };

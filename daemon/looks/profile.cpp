@@ -11,14 +11,14 @@ namespace styled::pipeline {
 
 namespace {
 
-// Replaces a style's name by its proper spelling; false if the network has no such style.
-bool ProperName(const net::Styles& styles, std::string& style, std::string& why) {
+// Replaces a style's name by its proper spelling. An error if the network has no such style.
+Status ProperName(const net::Styles& styles, std::string& style) {
   const int index = net::FindStyle(styles, style);
   if (index >= 0) {
     style = styles[static_cast<std::size_t>(index)].name;
-    return true;
+    return Status::Ok();
   }
-  why = "no style \"" + Printable(style, 80) + "\"; expected one of";
+  std::string why = "no style \"" + Printable(style, 80) + "\"; expected one of";
   constexpr std::size_t kListed = 40;
   std::size_t listed = 0, more = 0;
   for (std::size_t i = 1; i < styles.size(); ++i) {
@@ -29,11 +29,11 @@ bool ProperName(const net::Styles& styles, std::string& style, std::string& why)
     why += (++listed == 1 ? " " : ", ") + styles[i].name;
   }
   if (more > 0) why += " and " + std::to_string(more) + " more";
-  return false;
+  return Status::Error(why);
 }
 
-// The style itself, or the one of its name that has variations; -1 if none has. Neutral is what
-// others are added to.
+// The style itself, or the style of the same name that has variations; -1 if there is none. Neutral
+// is the base of every mix and needs none.
 int VariedStyle(const net::Styles& styles, int style) {
   return style == 0 ? 0 : net::VaryingStyle(styles, style);
 }
@@ -46,14 +46,15 @@ int VariationOf(const v1::Look& look, std::string_view performer) {
   return (given + own) % net::kVariations + 1;
 }
 
-// The mix of a Settings in the making: what was asked for, and what is shown instead.
+// The mix of a Settings that is being built: the requested styles, and the styles shown instead.
 class Mix {
  public:
   explicit Mix(stylist::Settings& settings) : mix_(settings.mix) {}
 
   void Add(int asked, int shown, float weight) {
     for (std::size_t i = 0; i < used_; ++i) {
-      // The same style by two names is one; asked for twice, it is an error (Validate).
+      // Different requested styles that are shown as the same one are added up. A style requested
+      // twice is an error (Validate).
       if (mix_[i].style != shown || asked_[i] == asked) continue;
       mix_[i].weight += weight;
       return;
@@ -76,7 +77,7 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
   stylist::Settings settings;
   settings.strength = look.strength();
   settings.transition_s = look.transition_ms() * 1e-3F;
-  // The longest one is not longer by a rounding.
+  // Rounding must not make the longest one longer.
   if (look.transition_ms() == 1000 * net::kMaxTransition_s) {
     settings.transition_s = net::kMaxTransition_s;
   }
@@ -100,32 +101,34 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
       unknown.push_back(entry.style());
       continue;
     }
-    const int varied = AsksForVariations(look) ? VariedStyle(styles, index) : index;
+    const int varied = RequestsVariations(look) ? VariedStyle(styles, index) : index;
     mix.Add(index, varied < 0 ? index : varied, entry.weight());
   }
   return settings;
 }
 
-std::string WithoutVariations(const v1::Look& look, const net::Styles& styles) {
-  if (!AsksForVariations(look)) return "";
+Status CheckVariations(const v1::Look& look, const net::Styles& styles) {
+  if (!RequestsVariations(look)) return Status::Ok();
   for (const auto& entry : look.mix()) {
     const int index = net::FindStyle(styles, entry.style());
     if (index < 0 || VariedStyle(styles, index) >= 0) continue;
-    return "\"" + entry.style() +
-           "\" has no variations; expected vary 0, vary_each false and drift_s 0, or weights that "
-           "have a style encoder";
+    return Status::Error("\"" + entry.style() +
+                         "\" has no variations; expected vary 0, vary_each false and drift_s 0, or "
+                         "weights that have a style encoder");
   }
-  return "";
+  return Status::Ok();
 }
 
-bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why) {
+Status ProperNames(const net::Styles& styles, v1::Look& change) {
   for (auto& entry : *change.mutable_mix()) {
-    if (!ProperName(styles, *entry.mutable_style(), why)) return false;
+    if (Status status = ProperName(styles, *entry.mutable_style()); !status.ok()) return status;
   }
-  if (change.input_style().empty()) return true;
-  if (!ProperName(styles, *change.mutable_input_style(), why)) return false;
+  if (change.input_style().empty()) return Status::Ok();
+  if (Status status = ProperName(styles, *change.mutable_input_style()); !status.ok()) {
+    return status;
+  }
   if (net::FindStyle(styles, change.input_style()) == 0) change.set_input_style("");
-  return true;
+  return Status::Ok();
 }
 
 const config::Preset* FindPreset(std::string_view name,
@@ -135,8 +138,8 @@ const config::Preset* FindPreset(std::string_view name,
   return preset == presets.end() ? nullptr : &*preset;
 }
 
-bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const net::Styles& styles, v1::Look& look, std::string& why) {
+Status LookUp(const std::string& name, const std::vector<config::Preset>& presets,
+              const net::Styles& styles, v1::Look& look) {
   v1::Look change;
   if (const config::Preset* const preset = FindPreset(name, presets)) {
     change = preset->look;
@@ -145,13 +148,13 @@ bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
     change.add_mix()->set_style(name);
     change.mutable_mix(0)->set_weight(1);
   }
-  if (!ProperNames(styles, change, why)) return false;
+  if (Status status = ProperNames(styles, change); !status.ok()) return status;
   styled::Apply(change, look);
   std::vector<std::string> unknown;
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
-  why = error != stylist::SettingsError::kNone ? Explain(error) : WithoutVariations(look, styles);
-  return why.empty();
+  if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
+  return CheckVariations(look, styles);
 }
 
 bool ReplaceStyle(const std::string& name, const std::string& to, v1::Look& look) {
@@ -186,7 +189,7 @@ std::string Explain(stylist::SettingsError error) {
     case SettingsError::kUnknownStyle:
       return "unknown style";
     case SettingsError::kNeutralStyle:
-      return "neutral is no target style unless input_style names the style to remove; use clear";
+      return "neutral is a target style only if input_style names the style to remove; use clear";
     case SettingsError::kDuplicateStyle:
       return "a style is named twice";
     case SettingsError::kWeight:

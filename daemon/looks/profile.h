@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "model/base/status.h"
 #include "model/net/styles.h"
 #include "model/neutral/neutral.h"
 #include "model/rig/binding.h"
@@ -27,29 +28,29 @@ struct KeptRest {
 // FNV-1a over names and parents. Other bone lengths mean the same rig on another performer.
 std::uint64_t SkeletonHash(const rig::Skeleton& skeleton);
 
-// What is known of a performer's neutral, for bodies that are bound alike.
+// The learned neutral of a performer, valid for bodies that are bound in the same way.
 struct KeptNeutral {
   std::uint64_t binding = 0;  // BindingHash
   neutral::Known known;
 };
-// FNV-1a over what decides how a pose is bound: joints, which of them are canonical ones, rest pose
-// (to the thousandth) and axes; not bone lengths.
+// FNV-1a over everything that decides how a pose is bound: the joints, which of them are canonical,
+// the rest pose (to the thousandth) and the axes. Bone lengths are not included.
 std::uint64_t BindingHash(const rig::Binding& binding);
 
-// What belongs to a performer's id and not to its sender.
+// The settings that belong to a performer's id rather than to its sender.
 struct Profile {
   std::string id;  // SOURCE.NAME; "*": for future performers
-  // Complete; names styles, so that it outlives weights and restarts.
+  // Complete. It names styles instead of numbering them, so that it outlives weights and restarts.
   v1::Look look = InitialLook();
   std::optional<KeptRest> rest;
-  // Of an earlier time; while the performer is here, their stylist knows it better.
+  // Learned earlier. While the performer is present, its stylist has a newer one.
   std::optional<KeptNeutral> neutral;
   bool pinned = false;
   bool configured = false;          // set explicitly: kept when the performer is forgotten
   bool seen = false;                // it has sent data since the daemon started
-  std::uint64_t next_sequence = 1;  // of the next frame; starts at 1
-  // The next two survive a restart, too. A profile without has_come was only named by a control
-  // request: prepared, misspelt or invented.
+  std::uint64_t next_sequence = 1;  // number of the next frame; starts at 1
+  // The next two also survive a restart. A profile without has_come was only named by a control
+  // request; it may be prepared, misspelt or invented.
   bool has_come = false;  // frames of the performer were accepted, in this run or before
   // Hours of running daemons since the performer was last present or last named.
   int absent_hours = 0;
@@ -63,26 +64,25 @@ struct Profile {
 stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown, std::string_view performer = {});
 
-// Why the look cannot be shown in the variations that it asks for: the first style of its mix for
-// which no network has any. "" if it can.
-std::string WithoutVariations(const v1::Look& look, const net::Styles& styles);
+// Whether the look can be shown in the variations that it asks for. The error names the first style
+// of its mix for which no network has any.
+Status CheckVariations(const v1::Look& look, const net::Styles& styles);
 
 // The preset of that name, or null.
 const config::Preset* FindPreset(std::string_view name, const std::vector<config::Preset>& presets);
 
 // Writes the mix of the preset `name` or, failing that, of the style `name` at weight 1, into
-// `look`. Returns false with the reason in `why` if it is neither, or the mix does not pass
-// stylist::Validate.
-bool LookUp(const std::string& name, const std::vector<config::Preset>& presets,
-            const net::Styles& styles, v1::Look& look, std::string& why);
+// `look`. An error if it is neither, or the mix does not pass stylist::Validate.
+Status LookUp(const std::string& name, const std::vector<config::Preset>& presets,
+              const net::Styles& styles, v1::Look& look);
 
 // Replaces the style names in a change (mix, input_style; neutral becomes "" there) by their proper
-// spelling. Returns false with the reason in `why` if the network has no such style.
-bool ProperNames(const net::Styles& styles, v1::Look& change, std::string& why);
+// spelling. An error if the network has no such style.
+Status ProperNames(const net::Styles& styles, v1::Look& change);
 
-// Replaces a style by its name in a look's mix and input_style; `to` "": takes it out, and a look
-// without another style goes to bypass. A preset that the look was of is none then. Returns whether
-// the look named it.
+// Replaces a style by its name in a look's mix and input_style. `to` "": removes the style; a look
+// without another style goes to bypass. A look that is changed no longer belongs to a preset.
+// Returns whether the look named the style.
 bool ReplaceStyle(const std::string& name, const std::string& to, v1::Look& look);
 
 // The control requests that restore these settings: a set, and a pin for a pinned performer. A

@@ -3,25 +3,28 @@
 #include <string>
 #include <utility>
 
+#include "model/base/status.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
 
-// Why a request is not done, as its reply says it; CODE_OK: it is done.
-struct [[nodiscard]] Refusal {
-  v1::Code code = v1::CODE_OK;
-  std::string reason;
+// The error of a request that is not executed, with the code of its reply.
+inline Status Refused(v1::Code code, std::string reason) {
+  return Status::Error(int{code}, std::move(reason));
+}
+inline Status Malformed(std::string reason) {
+  return Refused(v1::CODE_MALFORMED, std::move(reason));
+}
+// The same error, its message behind "COMMAND: ".
+inline Status Of(const std::string& command, const Status& status) {
+  return status.ok() ? status : Status::Error(status.code(), command + ": " + status.message());
+}
 
-  bool ok() const { return code == v1::CODE_OK; }
-  // Returns ok(). Else fills the reply; `command` begins the reason.
-  bool Accept(const std::string& command, v1::Reply& reply) const {
-    if (ok()) return true;
-    reply.set_code(code);
-    reply.set_reason(command + ": " + reason);
-    return false;
-  }
-};
-
-inline Refusal Malformed(std::string reason) { return {v1::CODE_MALFORMED, std::move(reason)}; }
+// Writes code and reason of an outcome into a reply. An error without a code is CODE_MALFORMED.
+inline void FillReply(const Status& status, v1::Reply& reply) {
+  reply.set_code(status.ok() ? v1::CODE_OK : v1::CODE_MALFORMED);
+  if (status.code() != 0) reply.set_code(static_cast<v1::Code>(status.code()));
+  reply.set_reason(status.message());
+}
 
 }  // namespace styled::pipeline

@@ -17,7 +17,7 @@ struct RetargetOutput {
   std::string name;
   std::vector<std::string> performers;  // ids; empty = all
   clip::AvatarSkeleton skeleton;
-  v1::Body body;  // without a performer's name; in the axes and units of the file
+  v1::Body body;  // without a performer's name; in the axes and units of the avatar's file
 
   bool IsFor(std::string_view performer) const;
 };

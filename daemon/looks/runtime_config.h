@@ -22,18 +22,21 @@ namespace styled::pipeline {
 // supervisor or the files thread makes it; it is immutable and shared with the pipeline thread.
 struct RuntimeConfig {
   std::shared_ptr<const net::Stylizer> network;
-  std::shared_ptr<const net::Stylizer> loaded;  // the same without styles that were added
-  int own_styles = 0;  // of the weights files; those behind it were added (styles/style_list.h)
-  int last_place = 0;  // of a style that was added
-  MadeStyles made;     // the latter, by name, but those that are retired
-  // What was in the places of retired styles, by number in the network: performers may still fade
-  // out from it.
+  std::shared_ptr<const net::Stylizer> loaded;  // the network without added styles
+  int own_styles = 0;  // the number of styles of the weights files; the styles after them were
+                       // added (styles/style_list.h)
+  int last_place = 0;  // the place of the style that was added last
+  MadeStyles made;     // the added styles by name, without retired ones
+  // The former codes in the places of retired styles, by number in the network: performers may
+  // still be fading out from them.
   std::map<int, std::shared_ptr<const MadeStyle>> retired;
   std::string weights_name;             // file names, for status
-  std::uint32_t weights_crc = 0;        // of all their bytes
+  std::uint32_t weights_crc = 0;        // hash of all their bytes
   std::string weights_hash;             // Networks::examples_hash
-  std::set<std::string> kept;           // of `made`, those that the library has (styles/library.h)
-  std::vector<std::string> complaints;  // what the library has and cannot be used, for the log
+  std::set<std::string> kept;           // those of `made` that are in the library
+                                        // (styles/library.h)
+  std::vector<std::string> complaints;  // files of the library that cannot be used, and why; for
+                                        // the log
   config::Performers performers;
   config::Style style;
   std::vector<config::Preset> presets;
@@ -42,7 +45,8 @@ struct RuntimeConfig {
   std::vector<rig::JointNames> joints;       // joint names set by hand, per source
   std::vector<config::Smoothing> smoothing;  // per source
   std::vector<config::PropHands> props;      // per source
-  std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // as the [[output]] tables
+  std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // in the order of the [[output]]
+                                                               // tables
 };
 
 }  // namespace styled::pipeline

@@ -79,9 +79,9 @@ std::uint64_t ReadHex(const toml::table& row, const char* key) {
   return std::strtoull(row[key].value_or(std::string()).c_str(), nullptr, 16);
 }
 
-// The rotations of a list of numbers, four each; nothing where they are none.
+// The rotations of a list of numbers, four numbers each; empty if the list is malformed.
 std::optional<std::vector<rig::Quat>> ReadRotations(const std::vector<float>& values) {
-  constexpr float kTolerance = 1e-3F;  // of the length of a rotation
+  constexpr float kTolerance = 1e-3F;  // tolerance of a rotation's length
   std::vector<rig::Quat> rotations;
   if (values.size() % 4 != 0) return std::nullopt;
   for (std::size_t i = 0; i < values.size(); i += 4) {
@@ -135,7 +135,7 @@ Profile FromRow(std::string_view id, const toml::table& row) {
   profile.pinned = row["pinned"].value_or(false);
   if (const toml::table* rest = row["rest"].as_table()) profile.rest = ReadRest(*rest);
   if (const toml::table* known = row["neutral"].as_table()) profile.neutral = ReadNeutral(*known);
-  // Older files have neither field. A calibrated performer has come.
+  // Older files have neither field. A calibrated performer has been present.
   profile.has_come = row["has_come"].value_or(false) || profile.rest;
   constexpr std::int64_t kMost_h = 1'000'000;
   profile.absent_hours = static_cast<int>(

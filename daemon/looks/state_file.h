@@ -9,7 +9,7 @@
 
 namespace styled::pipeline {
 
-// A larger file is refused: 4096 performers, each with the calibration of a rig of 64 joints, take
+// The largest accepted file. 4096 performers, each with the calibration of a rig of 64 joints, take
 // half of it.
 inline constexpr std::size_t kMaxStateBytes = std::size_t{64} << 20;
 
@@ -18,11 +18,11 @@ inline constexpr std::size_t kMaxStateBytes = std::size_t{64} << 20;
 Status WriteProfiles(const std::string& file, const std::vector<Profile>& profiles);
 // The text of such a file.
 std::string FormatProfiles(const std::vector<Profile>& profiles);
-// Reads the profiles; empty if there is no such file. Errors name file, line and what is wrong. The
-// call returns whatever is in place of the file. Values that no request could have set become the
+// Reads the profiles; empty if there is no such file. Errors name file, line and problem. The call
+// returns even if the path is a pipe or a device. Values that no request could have set become the
 // defaults.
 Result<std::vector<Profile>> ReadProfiles(const std::string& file);
-// The same for the text of such a file; errors call it `name`.
+// The same for the text of such a file. Errors call it `name`.
 Result<std::vector<Profile>> ParseProfiles(const std::string& text, const std::string& name);
 
 }  // namespace styled::pipeline

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "daemon/log/recorder.h"
 #include "daemon/looks/mailboxes.h"
 #include "daemon/publish/publisher.h"
-#include "daemon/record/recorder.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
@@ -16,7 +16,7 @@ struct Dependencies {
   runtime::Counters& counters;
   publish::Publisher& publisher;
   Mailboxes& mailboxes;
-  record::Recorder* recorder = nullptr;        // null: nothing is recorded
+  log::Recorder* recorder = nullptr;           // null: nothing is recorded
   bool anticipate = true;                      // predicts each frame and wakes shortly before
   bool prewarm = true;                         // and then brings its data into the caches
   bool polls = false;                          // the loop is awake around that time in any case
@@ -26,6 +26,8 @@ struct Dependencies {
   // Fades styles out where the machine cannot keep up (overload.h). It depends on the time that
   // styling takes, so a replay does without.
   bool relieves = false;
+
+  bool leads() const { return standby == nullptr || standby->leads(); }
 };
 
 }  // namespace styled::pipeline

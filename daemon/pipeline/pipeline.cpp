@@ -1,14 +1,15 @@
 #include "daemon/pipeline/pipeline.h"
 
-#include "daemon/pipeline/calibration.h"
-#include "daemon/pipeline/checkpoints.h"
-#include "daemon/pipeline/setup.h"
+#include <algorithm>
+
+#include "daemon/looks/refusal.h"
+#include "daemon/perform/load_balance.h"
+#include "daemon/perform/requests.h"
 
 namespace styled::pipeline {
 namespace {
 
 using runtime::Counter;
-using runtime::Nanoseconds;
 
 constexpr int kSubscriptionsPerCycle = 16;
 // One: frames that wait are handled between two requests, however many an operator sends.
@@ -20,85 +21,125 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
                    std::vector<std::unique_ptr<source::Transport>> transports,
                    std::shared_ptr<const RuntimeConfig> config, std::uint64_t epoch,
                    int max_subscriptions)
-    : to_(dependencies),
+    : dependencies_(dependencies),
       transports_(std::move(transports)),
-      subscriptions_(max_subscriptions, to_.counters),
-      roster_(std::move(source_names), std::move(config), epoch, subscriptions_, to_.counters),
-      commands_(roster_),
-      stats_(to_, roster_, layers_, transports_, stages_, subscriptions_),
-      log_(to_.clock, to_.counters, to_.mailboxes) {
-  rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
-            Nanoseconds(roster_.config().performers.clock_back_s)};
-  roster_.Age(to_.clock.Now_ns());
-  TellSetup();
+      performance_(dependencies_.clock, dependencies_.counters, dependencies_.publisher,
+                   dependencies_.mailboxes, std::move(source_names), std::move(config), epoch,
+                   max_subscriptions),
+      frames_(performance_, dependencies_.standby != nullptr),
+      stats_(dependencies_, performance_.roster, performance_.layers, transports_,
+             performance_.stages, performance_.subscriptions),
+      timers_(dependencies_, performance_, stats_) {
+  performance_.log.Add(dependencies_.recorder);
+  if (dependencies_.standby == nullptr) return;
+  replication_.emplace(*dependencies_.standby, performance_, frames_, transports_,
+                       dependencies_.mailboxes, *this);
+  replication_->sender().AdvertiseSetup();
 }
 
 void Pipeline::SetLayers(const std::vector<config::Source>& sources) {
-  layers_.Set(sources);
-  source_settings_ = SettingsOf(sources);
-  TellSetup();
+  performance_.layers.Set(sources);
+  if (replication_) replication_->sender().AdvertiseSetup(sources);
 }
 
 int Pipeline::DoWork() {
-  const std::int64_t begin_ns = to_.clock.Now_ns();
-  int work = to_.standby != nullptr ? DoStandby() : 0;
-  work += DoPutOff();
-  for (const auto& transport : transports_) {
-    work += leads() ? transport->DoWork(*this) : transport->DoWork(holder_);
-  }
-  // While frames may still wait in a socket, no performer counts as silent; but check at least
-  // every kBusyCycles cycles.
-  constexpr int kBusyCycles = 64;
-  const bool drained = work == 0 || ++busy_cycles_ >= kBusyCycles;
-  if (drained) busy_cycles_ = 0;
+  const std::int64_t begin_ns = performance_.clock.Now_ns();
+  int work = replication_ ? replication_->DoWork() : 0;
+  work += frames_.DoPostponed();
+  work += DoSources();
+  const bool drained = Drained(work > 0);
   work += DoCommands();
   work += DoReloads();
   work += DoTakes(begin_ns);
-  work += DoTimers(begin_ns, drained);
+  work += timers_.DoWork(begin_ns, drained, frames_.receive_ns());
   work += DoSubscriptions();
-  const std::int64_t end_ns = to_.clock.Now_ns();
-  if (work > 0) stats_.NoteCycle(end_ns - begin_ns);
-  if (work > 0 && to_.relieves && leads()) BalanceLoad(end_ns);
+  if (work == 0) return 0;
+  const std::int64_t end_ns = performance_.clock.Now_ns();
+  stats_.NoteCycle(end_ns - begin_ns);
+  if (dependencies_.relieves && dependencies_.leads()) BalanceLoad(performance_, end_ns);
   return work;
+}
+
+std::int64_t Pipeline::NextDeadline_ns() const {
+  std::int64_t next_ns = timers_.NextDeadline_ns(frames_.receive_ns());
+  for (const auto& transport : transports_) {
+    next_ns = std::min(next_ns, transport->NextDeadline_ns());
+  }
+  if (dependencies_.standby != nullptr)
+    next_ns = std::min(next_ns, dependencies_.standby->NextDeadline_ns());
+  return next_ns;
+}
+
+int Pipeline::DoSources() {
+  source::Receiver& receiver = replication_ ? replication_->receiver() : *this;
+  int work = 0;
+  for (const auto& transport : transports_) work += transport->DoWork(receiver);
+  return work;
+}
+
+// While frames may still wait in a socket, no performer counts as silent; but check at least every
+// kBusyCycles cycles.
+bool Pipeline::Drained(bool worked) {
+  constexpr int kBusyCycles = 64;
+  const bool drained = !worked || ++busy_cycles_ >= kBusyCycles;
+  if (drained) busy_cycles_ = 0;
+  return drained;
+}
+
+void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
+                        bool more_waiting) {
+  (void)frames_.Process({.source = source, .frames = frames, .more_waiting = more_waiting});
 }
 
 int Pipeline::DoCommands() {
   std::unique_ptr<Exchange> exchange;
   int work = 0;
-  while (work < kCommandsPerCycle && to_.mailboxes.commands.Pop(exchange)) {
-    ++work;
-    if (RefusesOrders(*exchange) || DoesLead(*exchange)) {
-      Return(std::move(exchange));
-      continue;
-    }
-    if (exchange->request.has_like()) {
-      if (!takes_.Begin(exchange, roster_, to_.clock.Now_ns())) Return(std::move(exchange));
-      continue;
-    }
-    Answer(exchange->request, exchange->reply);
-    Return(std::move(exchange));
+  for (; work < kCommandsPerCycle && dependencies_.mailboxes.commands.Pop(exchange); ++work) {
+    Perform(std::move(exchange));
   }
-  if (commands_.PopChanged()) {
-    auto kept = roster_.Snapshot();
-    if (!to_.mailboxes.profiles.Push(std::move(kept))) commands_.MarkChanged();
+  if (performance_.commands.PopChanged()) {
+    auto kept = performance_.roster.Snapshot();
+    if (!dependencies_.mailboxes.profiles.Push(std::move(kept)))
+      performance_.commands.MarkChanged();
   }
   return work;
+}
+
+void Pipeline::Perform(std::unique_ptr<Exchange> exchange) {
+  const v1::Request& request = exchange->request;
+  if (replication_ && replication_->Answers(*exchange)) return Return(std::move(exchange));
+  if (request.has_lead()) {  // nobody else does
+    exchange->reply.set_id(request.id());
+    return Return(std::move(exchange));
+  }
+  if (request.has_like()) {
+    exchange->reply.set_id(request.id());
+    const Status status =
+        performance_.takes.Begin(exchange, performance_.roster, performance_.clock.Now_ns());
+    if (status.ok()) return;
+    FillReply(status, exchange->reply);
+    return Return(std::move(exchange));
+  }
+  if (!PerformRequest(request, transports_, performance_, exchange->reply)) {
+    stats_.Fill(*exchange->reply.mutable_status());
+  }
+  Return(std::move(exchange));
 }
 
 // Passes on what performers have shown of a style.
 int Pipeline::DoTakes(std::int64_t now_ns) {
   int work = 0;
-  while (!takes_.empty()) {
-    std::unique_ptr<Exchange> exchange = takes_.Pop(now_ns);
+  while (!performance_.takes.empty()) {
+    std::unique_ptr<Exchange> exchange = performance_.takes.Pop(now_ns);
     if (exchange == nullptr) break;
     ++work;
     if (exchange->reply.code() != v1::CODE_OK) {
       Return(std::move(exchange));
-    } else if (to_.mailboxes.takes.Push(std::move(exchange))) {
-      to_.mailboxes.wake_files.Signal();
+    } else if (dependencies_.mailboxes.takes.Push(std::move(exchange))) {
+      dependencies_.mailboxes.wake_files.Signal();
     } else {
-      exchange->reply.set_code(v1::CODE_BUSY);
-      exchange->reply.set_reason("like: too many examples are waiting; try again");
+      FillReply(Refused(v1::CODE_BUSY, "like: too many examples are waiting; try again"),
+                exchange->reply);
       Return(std::move(exchange));
     }
   }
@@ -107,107 +148,77 @@ int Pipeline::DoTakes(std::int64_t now_ns) {
 
 // Sends a request with its reply back.
 void Pipeline::Return(std::unique_ptr<Exchange> exchange) {
-  JournalRequest(exchange->request, exchange->reply);
-  if (to_.recorder != nullptr) {
-    to_.recorder->OnRequest(to_.clock.Now_ns(), exchange->request, exchange->reply);
-  }
-  to_.counters.Add(Counter::kPipelineCommands);
+  performance_.log.OnRequest(performance_.clock.Now_ns(), exchange->request, exchange->reply);
+  performance_.counters.Add(Counter::kPipelineCommands);
   // Never full: the control thread keeps fewer requests in flight than the ring holds.
-  if (to_.mailboxes.replies.Push(std::move(exchange))) to_.mailboxes.wake_control.Signal();
+  if (dependencies_.mailboxes.replies.Push(std::move(exchange)))
+    dependencies_.mailboxes.wake_control.Signal();
 }
 
 std::unique_ptr<std::vector<Profile>> Pipeline::PopUnsaved() {
-  const bool learned = std::ranges::any_of(roster_.performers, [](const auto& performer) {
-    return performer->profile.configured && performer->TellNeutral().has_value();
-  });
-  if (roster_.PopChanged() || learned) commands_.MarkChanged();
-  return commands_.PopChanged() ? roster_.Snapshot() : nullptr;
-}
-
-void Pipeline::Answer(const v1::Request& request, v1::Reply& reply) {
-  if (request.has_calibrate()) {
-    Performer* const performer =
-        Calibrate(request, transports_, roster_, to_.clock.Now_ns(), reply);
-    if (performer == nullptr) return;
-    performer->outputs.SendBodies(to_.publisher);
-    commands_.MarkChanged();
-    return;
-  }
-  if (request.has_take_checkpoint()) {
-    return TakeCheckpoint(request, roster_, to_.clock.Now_ns(), to_.clock.Wall_ns(), reply);
-  }
-  if (request.has_restore_checkpoint()) {
-    Performer* const performer =
-        RestoreCheckpoint(request, roster_, layers_, to_.clock.Now_ns(), reply);
-    if (performer == nullptr) return;
-    performer->outputs.SendBodies(to_.publisher);
-    log_.Log(Event::Level::kInfo, performer->profile.id + ": restored from a checkpoint");
-    commands_.MarkChanged();
-    return;
-  }
-  if (commands_.Apply(request, reply)) return;
-  stats_.Fill(*reply.mutable_status());
+  const bool learned =
+      std::ranges::any_of(performance_.roster.performers, [](const auto& performer) {
+        return performer->profile.configured && performer->TellNeutral().has_value();
+      });
+  if (performance_.roster.PopChanged() || learned) performance_.commands.MarkChanged();
+  return performance_.commands.PopChanged() ? performance_.roster.Snapshot() : nullptr;
 }
 
 int Pipeline::DoReloads() {
   Reload reload;
-  if (!to_.mailboxes.reloads.Pop(reload)) return 0;
-  DisownStyle(reload);
-  const bool done = reload.exchange != nullptr && reload.exchange->reply.code() == v1::CODE_OK;
+  if (!dependencies_.mailboxes.reloads.Pop(reload)) return 0;
+  if (replication_) replication_->OnReload(reload);
+  Exchange* const exchange = reload.exchange.get();  // null: the configuration was read again
+  const bool done = exchange != nullptr && exchange->reply.code() == v1::CODE_OK;
   // Looks name styles as the new configuration does before it resolves them.
-  if (done) commands_.FollowStyles(reload.exchange->request, reload.exchange->reply);
-  if (reload.config != nullptr) TakeOver(std::move(reload.config), reload.exchange == nullptr);
-  if (done) commands_.Show(reload.exchange->request, reload.exchange->reply);
-  if (reload.exchange == nullptr) {
-    tells_all_ = true;  // the standby may have to complain
-    if (!leads()) to_.standby->Refetch();
-    return 1;
+  if (done) performance_.commands.FollowStyles(exchange->request, exchange->reply);
+  if (reload.config != nullptr) Adopt(std::move(reload.config), exchange == nullptr);
+  if (done) performance_.commands.Show(exchange->request, exchange->reply);
+  if (exchange == nullptr) {
+    if (replication_) replication_->OnConfigRead();
+  } else if (exchange->followed) {
+    replication_->OnStyleFollowed(*exchange);
+  } else {
+    Return(std::move(reload.exchange));
   }
-  if (reload.exchange->followed) {
-    StylesFollowed(*reload.exchange);
-    return 1;
-  }
-  Return(std::move(reload.exchange));
   return 1;
 }
 
-void Pipeline::TakeOver(std::shared_ptr<const RuntimeConfig> config, bool reloaded) {
-  for (auto& complaint : roster_.Apply(std::move(config))) {
-    log_.Log(Event::Level::kWarning, std::move(complaint));
-  }
-  rules_ = {Nanoseconds(roster_.config().performers.takeover_s),
-            Nanoseconds(roster_.config().performers.clock_back_s)};
-  TellSetup();
-  if (to_.recorder != nullptr && reloaded) {
-    to_.recorder->OnNote(to_.clock.Now_ns(), "reloaded: weights " + roster_.config().weights_name);
-  }
+void Pipeline::Adopt(std::shared_ptr<const RuntimeConfig> config, bool reloaded) {
+  performance_.Adopt(std::move(config));
+  if (replication_) replication_->sender().AdvertiseSetup();
+  if (reloaded)
+    performance_.log.OnReload(performance_.clock.Now_ns(),
+                              performance_.roster.config().weights_name);
 }
 
 int Pipeline::DoSubscriptions() {
   int work = 0;
-  while (work < kSubscriptionsPerCycle && to_.publisher.NextSubscription(subscription_)) {
+  while (work < kSubscriptionsPerCycle && performance_.publisher.NextSubscription(subscription_)) {
     ++work;
     if (subscription_.subscribe) {
-      subscriptions_.Subscribe(subscription_.topic);
+      performance_.subscriptions.Subscribe(subscription_.topic);
     } else {
-      subscriptions_.Unsubscribe(subscription_.topic);
+      performance_.subscriptions.Unsubscribe(subscription_.topic);
     }
   }
   if (work == 0) return 0;
-  for (const auto& performer : roster_.performers) {
-    if (performer->outputs.Asked()) performer->outputs.SendBodies(to_.publisher);
+  for (const auto& performer : performance_.roster.performers) {
+    if (performer->outputs.Asked()) performer->outputs.SendBodies(performance_.publisher);
   }
   return work;
 }
 
 void Pipeline::OnNote(int source, const std::string& text) {
-  log_.Log(Event::Level::kWarning,
-           roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
+  performance_.events.Log(
+      Event::Level::kWarning,
+      performance_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
 void Pipeline::OnNews(int source, const std::string& text) {
-  log_.Log(Event::Level::kInfo,
-           roster_.source_names()[static_cast<std::size_t>(source)] + ": " + text);
+  performance_.events.Log(
+      Event::Level::kInfo,
+      performance_.roster.source_names()[static_cast<std::size_t>(source)] + ": " + text);
 }
 
 }  // namespace styled::pipeline

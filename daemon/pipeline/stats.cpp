@@ -25,19 +25,19 @@ void FillFormerFields(v1::PerformerStats& row) {
 
 Stats::Stats(const Dependencies& dependencies, const Roster& roster, const Layers& layers,
              const Transports& transports, Stages& stages, publish::Subscriptions& subscriptions)
-    : to_(dependencies),
+    : dependencies_(dependencies),
       roster_(roster),
       layers_(layers),
       transports_(transports),
       stages_(stages),
-      started_ns_(to_.clock.Now_ns()),
+      started_ns_(dependencies_.clock.Now_ns()),
       due_ns_(started_ns_ + kSecond_ns) {
   subscriptions.Register(topic_);
 }
 
 void Stats::NoteCycle(std::int64_t cycle_ns) noexcept {
   longest_cycle_ns_ = std::max(longest_cycle_ns_, cycle_ns);
-  if (cycle_ns > kBudget_ns) to_.counters.Add(Counter::kPipelineOverBudget);
+  if (cycle_ns > kBudget_ns) dependencies_.counters.Add(Counter::kPipelineOverBudget);
 }
 
 void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
@@ -56,7 +56,7 @@ void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
 }
 
 void Stats::DescribeClock(v1::ClockState& clock) const {
-  const runtime::ClockDiscipline& discipline = to_.clock_watch->discipline();
+  const runtime::ClockDiscipline& discipline = dependencies_.clock_watch->discipline();
   clock.set_locked(discipline.locked);
   clock.set_max_error_s(discipline.max_error_s);
   if (!discipline.ptp) {
@@ -82,7 +82,7 @@ void Stats::DescribeClock(v1::ClockState& clock) const {
 void Stats::Fill(v1::StatusReply& status) const {
   status.set_version(STYLED_VERSION);
   status.set_epoch(roster_.epoch());
-  status.set_uptime_s(static_cast<double>(to_.clock.Now_ns() - started_ns_) * 1e-9);
+  status.set_uptime_s(static_cast<double>(dependencies_.clock.Now_ns() - started_ns_) * 1e-9);
   status.set_weights(roster_.config().weights_name);
   Fill(*status.mutable_stats());
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *status.add_sources());
@@ -90,11 +90,11 @@ void Stats::Fill(v1::StatusReply& status) const {
 
 void Stats::Fill(v1::Stats& stats) const {
   stats.set_epoch(roster_.epoch());
-  stats.set_wall_time_ns(static_cast<std::uint64_t>(to_.clock.Wall_ns()));
+  stats.set_wall_time_ns(static_cast<std::uint64_t>(dependencies_.clock.Wall_ns()));
   for (int i = 0; i < static_cast<int>(Counter::kCount); ++i) {
     auto& counter = *stats.add_counters();
     counter.set_name(std::string(runtime::Name(static_cast<Counter>(i))));
-    counter.set_value(to_.counters.Get(static_cast<Counter>(i)));
+    counter.set_value(dependencies_.counters.Get(static_cast<Counter>(i)));
   }
   for (const auto& [id, profile] : roster_.profiles) {
     auto& row = *stats.add_performers();
@@ -104,43 +104,43 @@ void Stats::Fill(v1::Stats& stats) const {
     *row.mutable_look() = profile->look;
     FillFormerFields(row);
     if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
-    layers_.Describe(to_.clock.Now_ns(), row);
+    layers_.Describe(dependencies_.clock.Now_ns(), row);
   }
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *stats.add_sources());
   stages_.Describe(stats);
-  if (to_.clock_watch != nullptr && to_.clock_watch->discipline().known) {
+  if (dependencies_.clock_watch != nullptr && dependencies_.clock_watch->discipline().known) {
     DescribeClock(*stats.mutable_clock());
   }
-  if (to_.standby != nullptr) DescribeStandby(*stats.mutable_standby());
+  if (dependencies_.standby != nullptr) DescribeStandby(*stats.mutable_standby());
 }
 
 void Stats::DescribeStandby(v1::StandbyState& state) const {
-  standby::Standby& standby = *to_.standby;
+  standby::Standby& standby = *dependencies_.standby;
   standby.Describe(state);
   if (standby.leads()) return;
-  const std::int64_t since_ns = to_.clock.Now_ns() - kSecond_ns;
+  const std::int64_t since_ns = dependencies_.clock.Now_ns() - kSecond_ns;
   for (const auto& performer : roster_.performers) {
     if (!performer->admission.live()) continue;
     const std::string& id = performer->profile.id;
-    if (standby.held().LastOf(roster_.source_names(), id) < since_ns) state.add_without_input(id);
+    if (standby.input().LastOf(roster_.source_names(), id) < since_ns) state.add_without_input(id);
   }
 }
 
 void Stats::Publish() {
-  const std::int64_t now_ns = to_.clock.Now_ns();
+  const std::int64_t now_ns = dependencies_.clock.Now_ns();
   due_ns_ = std::max(due_ns_ + kSecond_ns, now_ns + kSecond_ns / 2);
   for (const auto& performer : roster_.performers) performer->Sample(now_ns);
   for (const auto& transport : transports_) transport->Sample();
   stages_.Sample();
-  if (to_.clock_watch != nullptr) to_.clock_watch->Update(now_ns);
-  to_.counters.Set(Counter::kPipelineLongestCycleUs,
-                   static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
+  if (dependencies_.clock_watch != nullptr) dependencies_.clock_watch->Update(now_ns);
+  dependencies_.counters.Set(Counter::kPipelineLongestCycleUs,
+                             static_cast<std::uint64_t>(longest_cycle_ns_ / 1000));
   longest_cycle_ns_ = 0;
   if (topic_.wanted == 0) return;
   v1::Stats stats;
   Fill(stats);
   stats.SerializeToString(&bytes_);
-  to_.publisher.Send(topic_.name, std::as_bytes(std::span(bytes_)));
+  dependencies_.publisher.Send(topic_.name, std::as_bytes(std::span(bytes_)));
 }
 
 }  // namespace styled::pipeline

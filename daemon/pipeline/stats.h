@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "daemon/perform/merge/layers.h"
+#include "daemon/perform/roster.h"
+#include "daemon/perform/stages.h"
 #include "daemon/pipeline/dependencies.h"
-#include "daemon/pipeline/layers.h"
-#include "daemon/pipeline/roster.h"
-#include "daemon/pipeline/stages.h"
 #include "daemon/publish/subscriptions.h"
 #include "daemon/source/transport.h"
 #include "proto/styled/v1/control.pb.h"
@@ -45,7 +45,7 @@ class Stats {
   void DescribeStandby(v1::StandbyState& state) const;
   void DescribeSource(std::size_t index, v1::SourceInfo& info) const;
 
-  Dependencies to_;
+  Dependencies dependencies_;
   const Roster& roster_;
   const Layers& layers_;
   const Transports& transports_;

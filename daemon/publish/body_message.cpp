@@ -1,6 +1,5 @@
 #include "daemon/publish/body_message.h"
 
-#include <cstring>
 #include <span>
 
 #include "model/base/hash.h"

@@ -19,7 +19,8 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
   frame_.set_body_hash(body.hash());
   frame_.mutable_root_position()->Resize(3, 0);
   frame_.mutable_rotations()->Resize(4 * body.names_size(), 0);
-  // Fill the variable fields to their largest size once: protobuf keeps cleared elements for reuse.
+  // Fills the variable fields to their largest size once, because protobuf keeps cleared elements
+  // for reuse.
   frame_.mutable_held_joints()->Resize(rig_joints, 1U << 14U);
   for (int i = 0; i < net::kMaxActive; ++i) {
     auto* const style = frame_.add_styles();
@@ -32,24 +33,24 @@ FrameMessage::FrameMessage(const std::string& performer, std::uint64_t epoch, co
   frame_.clear_styles();
 }
 
-void FrameMessage::SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept {
-  frame_.set_sequence(header.sequence);
-  frame_.set_source_sequence(header.source_sequence);
-  frame_.set_source_time_ns(header.source_time_ns);
-  frame_.set_receive_time_ns(static_cast<std::uint64_t>(header.receive_time_ns));
-  frame_.set_publish_time_ns(static_cast<std::uint64_t>(header.publish_time_ns));
-  frame_.set_wall_time_ns(static_cast<std::uint64_t>(header.wall_time_ns));
-  frame_.set_contacts(header.contacts);
+void FrameMessage::SetHeader(const decide::FrameInTransit& frame, std::uint32_t flags) noexcept {
+  frame_.set_sequence(frame.decision.sequence);
+  frame_.set_source_sequence(frame.source_sequence);
+  frame_.set_source_time_ns(frame.source_time_ns);
+  frame_.set_receive_time_ns(static_cast<std::uint64_t>(frame.arrival_ns));
+  frame_.set_publish_time_ns(static_cast<std::uint64_t>(frame.publish_ns));
+  frame_.set_wall_time_ns(static_cast<std::uint64_t>(frame.wall_ns));
+  frame_.set_contacts(frame.contacts);
   frame_.set_flags(flags);
   frame_.clear_held_joints();
-  if (!header.has_timecode) {
+  if (!frame.has_timecode) {
     if (frame_.has_timecode()) spare_timecode_.reset(frame_.unsafe_arena_release_timecode());
     return;
   }
   if (!frame_.has_timecode()) {
     frame_.unsafe_arena_set_allocated_timecode(spare_timecode_.release());
   }
-  WriteTimecode(header.timecode, *frame_.mutable_timecode());
+  WriteTimecode(frame.timecode, *frame_.mutable_timecode());
 }
 
 void FrameMessage::SetStyles(std::span<const net::StyleWeight> in_force) noexcept {

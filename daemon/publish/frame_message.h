@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -8,26 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "daemon/decide/frame_in_transit.h"
 #include "model/base/realtime.h"
 #include "model/net/styles.h"
 #include "model/rig/skeleton.h"
 #include "proto/styled/face.h"
 #include "proto/styled/props.h"
-#include "proto/styled/timecode.h"
 #include "proto/styled/v1/body.pb.h"
 #include "proto/styled/v1/frame.pb.h"
 
 namespace styled::publish {
-
-// The part of the frames of one pose that is the same on all topics.
-struct FrameHeader {
-  std::uint64_t sequence = 0, source_sequence = 0;
-  std::uint64_t source_time_ns = 0;
-  std::int64_t receive_time_ns = 0, publish_time_ns = 0, wall_time_ns = 0;
-  bool has_timecode = false;
-  Timecode timecode;
-  std::uint32_t contacts = 0;
-};
 
 // One topic's `Frame` of one performer, made once and refilled for each pose. Only construction
 // allocates. Pipeline thread only.
@@ -38,10 +27,12 @@ class FrameMessage {
   FrameMessage(const std::string& performer, std::uint64_t epoch, const v1::Body& body,
                int rig_joints, const net::Styles& styles);
 
-  // Other styles from now on: those before, and added ones of at most net::kMaxStyleName bytes.
+  // Replaces the styles: the former ones, and added ones with names of at most net::kMaxStyleName
+  // bytes.
   void UseStyles(const net::Styles& styles) noexcept { styles_ = &styles; }
 
-  STYLED_REALTIME void SetHeader(const FrameHeader& header, std::uint32_t flags) noexcept;
+  // What is the same on all topics of a pose, and the topic's flags.
+  STYLED_REALTIME void SetHeader(const decide::FrameInTransit& frame, std::uint32_t flags) noexcept;
   STYLED_REALTIME void SetStyles(std::span<const net::StyleWeight> in_force) noexcept;
   STYLED_REALTIME void AddHeld(int joint) noexcept;
   STYLED_REALTIME void SetPose(const rig::Vec3& root_position,
@@ -54,7 +45,7 @@ class FrameMessage {
 
  private:
   v1::Frame frame_;
-  std::unique_ptr<v1::Timecode> spare_timecode_;  // in the frame while the rig sends one
+  std::unique_ptr<v1::Timecode> spare_timecode_;  // set while the rig sends one
   const net::Styles* styles_;
   std::vector<std::byte> buffer_;
 };

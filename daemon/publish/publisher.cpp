@@ -37,8 +37,9 @@ class ZmqPublisher final : public Publisher {
     if (watch_->canary() != nullptr) watch_->canary()->NoteSent(topic);
   }
 
-  // Never less again: libzmq's reader tells the writer of what it has read once in half a queue, of
-  // the length that it had then, and a writer to a shorter one would wait for that for ever.
+  // The length is never reduced again. libzmq's reader reports its progress to the writer once per
+  // half queue, of the length at that time; a writer to a shorter queue would wait for that report
+  // for ever.
   void MakeRoom(std::size_t messages) override {
     const int wanted =
         static_cast<int>(std::min(messages + usual_room_, std::size_t{config::kMostHighWaterMark}));
@@ -76,7 +77,7 @@ class ZmqPublisher final : public Publisher {
 
   runtime::ZmqSocket socket_;
   std::size_t usual_room_;  // messages in a subscriber's queue, high_water_mark
-  int room_;                // what MakeRoom has made of it
+  int room_;                // the length after MakeRoom
   security::Access* access_;
   runtime::Counters& counters_;
   std::unique_ptr<Watch> watch_;
@@ -96,7 +97,7 @@ Result<std::unique_ptr<Publisher>> MakeZmqPublisher(void* context, const config:
   socket.Set(ZMQ_SNDBUF, config.send_buffer_bytes);
   socket.Set(ZMQ_LINGER, 100);
   socket.Set(ZMQ_HANDSHAKE_IVL, 1000);
-  // Of subscribers' messages, which are subscriptions.
+  // Limit of a subscriber's message, which is a subscription.
   socket.Set(ZMQ_MAXMSGSIZE, std::int64_t{1024});
   socket.Set(ZMQ_TCP_KEEPALIVE, 1);
   const auto ipc = security::ResolveIpc(config.ipc, "publish");

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <utility>
@@ -21,7 +20,7 @@ bool ReadHex(std::string_view text, Number& number) {
   return error == std::errc() && at == end;
 }
 
-// "0100007F:1B59" and its kind of IPv6: words of the machine's byte order.
+// "0100007F:1B59", or the same form for IPv6: words in the machine's byte order.
 std::string AddressOf(std::string_view text) {
   const std::size_t colon = text.find(':');
   std::uint16_t port = 0;
@@ -53,8 +52,10 @@ bool Contains(const std::vector<std::string>& all, const std::string& one) {
 
 std::vector<std::string> FindStalled(std::string_view table, std::uint16_t port) {
   constexpr std::string_view kEstablished = "01";
-  constexpr unsigned kWindowProbe = 4;  // the timer that runs while the window is closed
-  constexpr unsigned kRepetitions = 3;  // unanswered: the other machine is gone
+  constexpr unsigned kWindowProbe = 4;  // the number of the timer that runs while the window is
+                                        // closed
+  constexpr unsigned kRepetitions = 3;  // unanswered repetitions after which the other machine is
+                                        // considered gone
   std::vector<std::string> stalled;
   std::istringstream lines{std::string(table)};
   for (std::string line; std::getline(lines, line);) {

@@ -7,30 +7,31 @@
 
 namespace styled::publish {
 
-// The remote addresses ("10.0.0.3:4711") of connections to `port` whose other side takes nothing
-// more: its window is closed, or it has acknowledged nothing for several repetitions. `table`: the
-// text of /proc/net/tcp or tcp6.
+// The remote addresses ("10.0.0.3:4711") of connections to `port` that no longer accept data: their
+// window is closed, or several repetitions were not acknowledged. `table`: the text of
+// /proc/net/tcp or tcp6.
 std::vector<std::string> FindStalled(std::string_view table, std::uint16_t port);
 
-// Finds subscribers that have stopped reading. libzmq drops their messages at their own queue and
-// tells nobody; but the kernel shows that their connection takes nothing. Of tcp:// addresses only.
-// One thread.
+// Finds subscribers that have stopped reading. libzmq silently drops their messages at their queue,
+// but the kernel shows that their connection accepts no data. Only for tcp:// addresses. One
+// thread.
 class StalledSubscribers {
  public:
-  // `endpoint`: the bound address; of another than tcp:// nothing is found.
+  // `endpoint`: the bound address. If it is not a tcp:// address, nothing is found.
   explicit StalledSubscribers(std::string_view endpoint);
-  // Call about once a second. `fresh` and `recovered` receive those that are new since the last
-  // call, and those that read again or have gone.
+  // Call about once a second. `fresh` receives the subscribers that have stalled since the last
+  // call, `recovered` those that read again or have gone.
   void Look(std::vector<std::string>& fresh, std::vector<std::string>& recovered);
-  // For tests: the same of given tables.
+  // For tests: the same with given tables.
   void Judge(std::vector<std::string> stalled, std::vector<std::string>& fresh,
              std::vector<std::string>& recovered);
   std::size_t count() const { return stalled_.size(); }
 
  private:
   std::uint16_t port_ = 0;
-  std::vector<std::string> last_;     // at the last look: one look alone may see a short pause
-  std::vector<std::string> stalled_;  // at two looks in a row, and reported
+  std::vector<std::string> last_;     // found in the last table; a single table may show a short
+                                      // pause
+  std::vector<std::string> stalled_;  // found in two tables in a row, and reported
 };
 
 }  // namespace styled::publish

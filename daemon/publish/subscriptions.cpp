@@ -18,7 +18,7 @@ bool CanMatch(std::string_view prefix) {
          });
 }
 
-bool AsksFor(std::string_view prefix, const Topic& topic) {
+bool Matches(std::string_view prefix, const Topic& topic) {
   return prefix.size() >= topic.least_prefix && topic.name.starts_with(prefix);
 }
 
@@ -26,7 +26,7 @@ bool AsksFor(std::string_view prefix, const Topic& topic) {
 
 void Subscriptions::Register(Topic& topic) {
   topic.wanted = 0;
-  for (const auto& prefix : active_) topic.wanted += AsksFor(prefix, topic);
+  for (const auto& prefix : active_) topic.wanted += Matches(prefix, topic);
   topics_.push_back(&topic);
 }
 
@@ -40,7 +40,7 @@ void Subscriptions::Subscribe(std::string_view prefix) {
     return;
   }
   for (Topic* topic : topics_) {
-    if (!AsksFor(prefix, *topic)) continue;
+    if (!Matches(prefix, *topic)) continue;
     topic->wanted += known ? 0 : 1;
     topic->asked = true;
   }
@@ -50,7 +50,7 @@ void Subscriptions::Subscribe(std::string_view prefix) {
 
 void Subscriptions::Unsubscribe(std::string_view prefix) {
   if (active_.erase(std::string(prefix)) == 0) return;
-  for (Topic* topic : topics_) topic->wanted -= AsksFor(prefix, *topic);
+  for (Topic* topic : topics_) topic->wanted -= Matches(prefix, *topic);
   counters_.Set(runtime::Counter::kPublishSubscriptions, active_.size());
 }
 

@@ -19,7 +19,8 @@ struct Topic {
   std::string name;  // ends in "/"
   int wanted = 0;
   bool asked = false;
-  // A shorter prefix does not ask for it: who subscribes to everything does not mean it.
+  // Shorter prefixes do not ask for it: a client that subscribes to everything does not mean this
+  // topic.
   std::size_t least_prefix = 0;
 };
 
@@ -40,8 +41,8 @@ class Subscriptions {
   void Register(Topic& topic);
   void Unregister(Topic& topic);
 
-  // The bundles' topics, which exist whoever performs; only a prefix that begins with "frames/"
-  // asks for them.
+  // The topics of the bundles, which exist even without a performer. Only a prefix that begins with
+  // "frames/" asks for them.
   enum BundleIndex : std::uint8_t { kRigBundle, kCanonicalBundle, kSourceBundle, kBundleCount };
   const Topic& bundle(std::size_t index) const { return bundles_[index]; }
 

@@ -15,8 +15,8 @@ using runtime::Counter;
 
 namespace {
 
-// A canary that blocked would be woken by each message, on the pipeline's time. While messages come
-// it comes by itself, and in time for half of its queue.
+// A canary that blocked would be woken by each message, at the expense of the pipeline. While
+// messages arrive it polls instead, often enough that at most half of its queue fills up.
 constexpr std::int64_t kShortest_ns = 2 * runtime::kMillisecond_ns;
 constexpr std::int64_t kLongest_ns = 20 * runtime::kMillisecond_ns;
 
@@ -47,7 +47,7 @@ void Watch::Run() {
     if (canary_) ReadCanary();
     if (clock_.Now_ns() < look_ns) continue;
     look_ns = clock_.Now_ns() + runtime::kSecond_ns;
-    LookForStalled();
+    FindStalled();
   }
 }
 
@@ -69,20 +69,22 @@ void Watch::ReadCanary() {
     period_ns_ = 0;
     return;
   }
-  // Short at first, then longer as far as what comes allows it.
+  // The interval is short at first and grows as far as the rate of messages allows.
   const std::int64_t longer_ns = std::max(2 * period_ns_, kShortest_ns);
   const std::int64_t half_full_ns = passed_ns / received * high_water_mark_;
   period_ns_ = std::clamp(std::min(longer_ns, half_full_ns), kShortest_ns, kLongest_ns);
 }
 
-void Watch::LookForStalled() {
+void Watch::FindStalled() {
   std::vector<std::string> fresh, recovered;
   stalled_.Look(fresh, recovered);
   counters_.Add(Counter::kPublishStalled, fresh.size());
   counters_.Set(Counter::kPublishStalledNow, stalled_.count());
   for (const std::string& address : fresh) {
-    spdlog::warn("publish: the subscriber {} has stopped reading: it misses what it cannot hold",
-                 address);
+    spdlog::warn(
+        "publish: the subscriber {} has stopped reading: it loses messages that do not fit its "
+        "queue",
+        address);
   }
   for (const std::string& address : recovered) {
     spdlog::info("publish: the subscriber {} reads again, or has gone", address);

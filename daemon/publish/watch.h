@@ -14,9 +14,9 @@
 
 namespace styled::publish {
 
-// The thread that looks after what subscribers miss: it is the canary's reader, and once a second
-// looks for subscribers that have stopped reading. It writes counters and, of stopped subscribers,
-// the log.
+// The thread that detects lost messages of subscribers: it reads the canary, and looks once a
+// second for subscribers that have stopped reading. It writes counters and, for stalled
+// subscribers, the log.
 class Watch {
  public:
   // `canary` may be null. `endpoint`: the publisher's, as bound.
@@ -32,13 +32,13 @@ class Watch {
   void Run();
   void Wait(std::int64_t wait_ns);
   void ReadCanary();
-  void LookForStalled();
+  void FindStalled();
 
   std::unique_ptr<Canary> canary_;
   std::int64_t high_water_mark_;
   runtime::SystemClock clock_;
-  std::int64_t read_ns_ = 0;    // when the canary was last read
-  std::int64_t period_ns_ = 0;  // until it is read again; 0: when something comes
+  std::int64_t read_ns_ = 0;    // time of the canary's last reading
+  std::int64_t period_ns_ = 0;  // time until its next reading; 0: when a message arrives
   StalledSubscribers stalled_;
   runtime::Counters& counters_;
   runtime::Wakeup wake_;

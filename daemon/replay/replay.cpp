@@ -110,7 +110,7 @@ class Recorded final : public source::Transport {
     if (!waiting_.empty()) {
       const recording::Arrival arrival = std::move(waiting_.front());
       waiting_.pop_front();
-      Take(arrival, receiver);
+      Deliver(arrival, receiver);
     }
     if (translator_ != nullptr) {
       outbox_.Open(receiver, -1);
@@ -137,7 +137,7 @@ class Recorded final : public source::Transport {
     source::CutReader rigs{buffer};
   };
 
-  void Take(const recording::Arrival& arrival, source::Receiver& receiver) {
+  void Deliver(const recording::Arrival& arrival, source::Receiver& receiver) {
     const auto bytes = std::as_bytes(std::span(arrival.datagram()));
     const source::Peer peer = ParsePeer(arrival.peer());
     if (!stream_) return HandOn(bytes, peer, receiver);
@@ -174,7 +174,7 @@ class Recorded final : public source::Transport {
       return decoder_.HandOn({&bytes, 1}, {&machine, 1}, receiver);
     }
     outbox_.Open(receiver, -1);
-    translator_->Take(bytes, peer, clock_.Now_ns(), outbox_);
+    translator_->Handle(bytes, peer, clock_.Now_ns(), outbox_);
     outbox_.Close();
   }
 
@@ -232,7 +232,7 @@ class Player {
     pipeline_->Restore(options.profiles);
   }
 
-  Status Take(const recording::Record& record) {
+  Status Play(const recording::Record& record) {
     PassTimeUntil(record.time_ns());
     if (record.has_arrival()) {
       const auto found = sources_.find(KeyOf(record.arrival().source(), record.arrival().type()));
@@ -363,7 +363,7 @@ Status Replay(recording::Reader& reader, const config::Config& config,
   reader.Rewind();
   recording::Record record;
   while (reader.Next(record)) {
-    const Status status = player.Take(record);
+    const Status status = player.Play(record);
     if (!status.ok()) return Status::Error(reader.name() + ": " + status.message());
   }
   player.Finish();

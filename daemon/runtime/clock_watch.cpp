@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDomains = 128;  // 0 .. 127; the rest is reserved
 
-// 0, the default; 127, that of SMPTE ST 2059-2; then all others.
+// First 0, the default; then 127, the domain of SMPTE ST 2059-2; then all others.
 std::uint8_t DomainToTry(int number) {
   const int at = number % kDomains;
   return static_cast<std::uint8_t>(at == 0 ? 0 : at == 1 ? 127 : at - 1);
@@ -79,7 +79,7 @@ void ClockWatch::Disconnect() noexcept {
 }
 
 void ClockWatch::ReadReplies(std::int64_t now_ns) noexcept {
-  constexpr int kMost = 64;  // of one round: four data sets, and a port each
+  constexpr int kMost = 64;  // requests per round: four data sets, and one per port
   std::array<std::byte, 1500> message;
   best_ = ptp::PortState::kNone;
   bool any = false;
@@ -89,18 +89,18 @@ void ClockWatch::ReadReplies(std::int64_t now_ns) noexcept {
     const auto reply = ptp::Read(std::span(message).first(static_cast<std::size_t>(size)));
     if (!reply) continue;
     domain_ = heard_.domain = reply->domain;
-    Take(*reply);
+    Apply(*reply);
     any = true;
   }
   if (!any) return;
   answered_ns_ = now_ns;
-  // Until all questions are answered there is nothing to show.
+  // Nothing is shown until all requests are answered.
   if (best_ == ptp::PortState::kNone || heard_.parent.leader == ptp::ClockIdentity{}) return;
   heard_.port = best_;
   discipline_.ptp = heard_;
 }
 
-void ClockWatch::Take(const ptp::Reply& reply) noexcept {
+void ClockWatch::Apply(const ptp::Reply& reply) noexcept {
   if (const auto* current = std::get_if<ptp::Current>(&reply.data)) heard_.current = *current;
   if (const auto* parent = std::get_if<ptp::Parent>(&reply.data)) heard_.parent = *parent;
   if (const auto* properties = std::get_if<ptp::TimeProperties>(&reply.data)) {
@@ -124,11 +124,11 @@ void ClockWatch::Ask() noexcept {
   }
 }
 
-// False where no more can be sent now.
+// Returns false if no more can be sent now.
 bool ClockWatch::Send(ptp::DataSet data, std::uint8_t domain) noexcept {
   const auto request = ptp::Get(data, domain, sequence_++);
   if (send(fd_, request.data(), request.size(), MSG_NOSIGNAL) >= 0) return true;
-  // A ptp4l that was started again has another socket of the same name.
+  // A ptp4l that was restarted has another socket of the same name.
   if (errno != EAGAIN && errno != EWOULDBLOCK) Disconnect();
   return false;
 }

@@ -1,7 +1,5 @@
 #include "daemon/runtime/counters.h"
 
-#include <algorithm>
-
 namespace styled::runtime {
 namespace {
 
@@ -85,6 +83,10 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kStylistFading, "stylist.fading"},
     {Counter::kStylistNewSession, "stylist.new_session"},
     {Counter::kStylistFailed, "stylist.failed", true},
+    {Counter::kStylistFailedPrediction, "stylist.failed_prediction", true},
+    {Counter::kStylistFailedCanonical, "stylist.failed_canonical", true},
+    {Counter::kStylistFailedRig, "stylist.failed_rig", true},
+    {Counter::kStylistFailedAvatar, "stylist.failed_avatar", true},
     {Counter::kStylistSteps, "stylist.steps"},
     {Counter::kPublishMessages, "publish.messages"},
     {Counter::kPublishFailed, "publish.failed", true},

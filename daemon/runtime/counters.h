@@ -27,8 +27,9 @@ enum class Counter : std::uint8_t {
   kSourceBadReserved,
   kSourceBadKind,
   kSourceNoSession,
-  kSourceMalformed,       // not the message that the header announces, or not the rig's protocol
-  kSourceIncomplete,      // frames, or samples in several datagrams, of which a part is missing
+  kSourceMalformed,       // not the message that its header announces, or not the rig's protocol
+  kSourceIncomplete,      // frames, or samples split over several datagrams, of which a part is
+                          // missing
   kSourceIgnored,         // messages of a rig that carry no pose
   kSourceBeforeRestPose,  // frames of a rig that has not sent name and rest pose yet
   kSourceBadName,         // performer's name is not [A-Za-z0-9_-]{1,32}
@@ -67,7 +68,7 @@ enum class Counter : std::uint8_t {
   kPipelineLate,        // frames published with FLAG_LATE
   kPipelineBacklogDropped,  // frames skipped because a newer one was waiting
   kPipelineStale,           // frames published with FLAG_STALE
-  kPipelinePerformers,      // the present number
+  kPipelinePerformers,      // the current number
   kPipelinePerformersRefused,
   kPipelineForgotten,
   kPipelineNamesReplaced,  // stored settings dropped because a new performer arrived at a full
@@ -85,31 +86,36 @@ enum class Counter : std::uint8_t {
   kPipelineEventsDropped,     // log messages dropped because their ring was full
   kPipelineEventsHeldBack,    // log messages held back by the limit per kind and performer
   kPipelineBackwards,         // frames published with FLAG_BACKWARDS
-  kPipelinePropsLeftOut,      // props of frames that were not passed on: proto/styled/v1/WIRE.md
+  kPipelinePropsLeftOut,      // published frames with this flag; the same holds for the counters up
+                              // to kStylistFailed
   kStylistConcealed,  // published frames with this flag; so are the others up to kStylistFailed
   kStylistHeld,
   kStylistOutOfDomain,
   kStylistFading,
   kStylistNewSession,
   kStylistFailed,
+  kStylistFailedPrediction,  // of these, by the pose that was not sound (v1::Failure)
+  kStylistFailedCanonical,
+  kStylistFailedRig,
+  kStylistFailedAvatar,
   kStylistSteps,  // steps of the network
   kPublishMessages,
   kPublishFailed,
   kPublishBodies,
-  kPublishSubscriptions,         // the present number of distinct subscriptions
+  kPublishSubscriptions,         // the current number of distinct subscriptions
   kPublishSubscriptionsRefused,  // over max_subscriptions, or of a topic that is never published
   kPublishBadMessages,           // messages from subscribers that are not subscriptions
-  kPublishCanaryReceived,        // messages that the daemon's own subscriber received
-  kPublishCanaryMissed,          // messages that it missed
+  kPublishCanaryReceived,        // messages received by the daemon's own subscriber
+  kPublishCanaryMissed,          // messages missed by it
   kPublishStalled,     // subscribers found to have stopped reading, again after each recovery
-  kPublishStalledNow,  // the present number of those
+  kPublishStalledNow,  // the current number of stalled subscribers
   kControlRequests,
   kControlOsc,
   kControlRefused,  // requests answered with any code but CODE_OK; includes the next three
   kControlMalformed,
   kControlTooLarge,
   kControlBusy,
-  kSecurityClients,           // the present number of allowed keys
+  kSecurityClients,           // the current number of allowed keys
   kSecurityAdmitted,          // handshakes with an allowed key
   kSecurityRefused,           // handshakes with a key that is unknown or has the wrong role
   kSecurityHandshakesFailed,  // handshakes that failed before the key check: no CURVE, or another
@@ -121,7 +127,7 @@ enum class Counter : std::uint8_t {
   kStateWritesFailed,
   kRecordOn,        // 1: arriving data is being recorded
   kRecordWritten,   // records in the file
-  kRecordLost,      // records that were not written: the disk was slow, full or gone
+  kRecordLost,      // records that were not written because the disk was slow, full or gone
   kRecordFailures,  // distinct reasons for lost records, each logged once
   kCount
 };
@@ -151,7 +157,7 @@ class Counters {
         std::uint64_t{1} << static_cast<unsigned>(std::min(source, 63)), std::memory_order_relaxed);
   }
   // The sources that AddOf() marked since the last call: bit i is source i. Clears the marks.
-  std::uint64_t TakeSources(Counter counter) noexcept {
+  std::uint64_t ClearSources(Counter counter) noexcept {
     return sources_[static_cast<std::size_t>(counter)].exchange(0, std::memory_order_relaxed);
   }
   STYLED_REALTIME void Set(Counter counter, std::uint64_t value) noexcept {

@@ -70,7 +70,7 @@ class BasicHistogram {
   static constexpr std::int64_t kUnit_ns = 64;
   static constexpr int kWidth = std::bit_width(static_cast<unsigned>(kPerOctave));
   static_assert(std::has_single_bit(static_cast<unsigned>(kPerOctave)));
-  // As many as reach a minute: kPerOctave * 2^kOctaves units.
+  // The number of units in a minute: kPerOctave * 2^kOctaves.
   static constexpr int kOctaves =
       std::bit_width(std::uint64_t{60'000'000'000} / kUnit_ns / kPerOctave);
   std::array<Count, static_cast<std::size_t>(kPerOctave* kOctaves)> buckets_{};
@@ -78,7 +78,7 @@ class BasicHistogram {
   std::int64_t max_ns_ = 0;
 };
 
-// Of a second or so: 6 % too high at most.
+// About a second; at most 6 % too high.
 using Histogram = BasicHistogram<std::uint16_t, 16>;
 
 }  // namespace styled::runtime

@@ -14,7 +14,7 @@ constexpr std::size_t kShown = 128;  // bytes of the text that errors quote
 Result<HostPort> ParseHostPort(std::string_view text) {
   const auto refuse = [&text] {
     return Status::Error("\"" + Printable(text, kShown) +
-                         "\" is no address: expected HOST:PORT, e.g. \"0.0.0.0:7000\"");
+                         "\" is not an address: expected HOST:PORT, e.g. \"0.0.0.0:7000\"");
   };
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos || colon == 0) return refuse();

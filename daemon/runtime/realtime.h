@@ -45,7 +45,7 @@ struct Scheduling {
 
 // Locks the process' memory, present and future. Does nothing where RLIMIT_MEMLOCK is finite and
 // the process is not root: a process locked in part would fail to allocate later. Call on the main
-// thread. Returns a message for what was refused; empty on success.
+// thread. Returns a message for each failure; empty on success.
 std::vector<std::string> LockMemory();
 
 // Applies priority and cpu to the calling thread. Returns a message for each setting that was

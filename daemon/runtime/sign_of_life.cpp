@@ -3,7 +3,6 @@
 #include <poll.h>
 #include <pthread.h>
 
-#include <cstdlib>
 #include <utility>
 
 namespace styled::runtime {

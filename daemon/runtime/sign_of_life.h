@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -11,19 +10,19 @@
 
 namespace styled::runtime {
 
-// Feeds the service manager's watchdog from a thread that does nothing else, as long as another
-// thread turns. That thread increments a number each time its loop turns; the manager hears
-// WATCHDOG=1 only when the number has changed since the last look. So a thread that hangs leads to
-// a restart of the process, and no work of any further thread, however long, does. Pinned by
+// Feeds the service manager's watchdog from a thread of its own, as long as another thread makes
+// progress. That thread increments a number in each turn of its loop; WATCHDOG=1 is sent only when
+// the number has changed since the last check. A thread that hangs therefore leads to a restart of
+// the process, and long work on any other thread does not. Pinned by
 // tests/unit/daemon/sign_of_life_test.cpp and tests/hostile.
 class SignOfLife {
  public:
-  // Between two looks, in milliseconds. The manager and tests see a sign of life at least every
-  // second although one look may find that the thread has not turned yet.
+  // The interval of the checks in milliseconds. The manager and tests see a sign of life at least
+  // every second, even if a check finds that the thread has not turned yet.
   static constexpr int kLook_ms = 200;
 
-  // `address`: as of Notifier. `turns` gives the number, `wake` makes an idle thread turn; both are
-  // called on this object's thread.
+  // `address`: as in Notifier. `turns` returns the number, `wake` makes an idle thread turn; both
+  // are called on this object's thread.
   SignOfLife(const std::string& address, std::function<std::uint64_t()> turns,
              std::function<void()> wake);
   ~SignOfLife();

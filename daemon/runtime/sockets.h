@@ -16,7 +16,7 @@ Result<Descriptor> BindSocket(int type, const std::string& address, int receive_
 
 // The local address of a bound socket, e.g. "127.0.0.1:43211".
 std::string BoundAddress(int fd);
-// The same text for an address that a socket call returned; "an unknown address" if it is not one.
+// The same text for an address returned by a socket call; "an unknown address" if it is not one.
 std::string AddressText(const sockaddr_storage& address, socklen_t size);
 
 }  // namespace styled::runtime

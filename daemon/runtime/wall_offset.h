@@ -13,8 +13,8 @@ struct ClockReading {
   std::int64_t offset_ns() const noexcept { return wall_ns - now_ns; }
 };
 
-// Reads both clocks. A process that is interrupted between the two readings would make a difference
-// of it: then they are read again.
+// Reads both clocks. If the thread was interrupted between the two readings, they are repeated: the
+// pause would appear as a difference of the clocks.
 inline ClockReading ReadClocks(const Clock& clock) noexcept {
   constexpr std::int64_t kAtOnce_ns = 20'000;
   constexpr int kTries = 5;
@@ -38,7 +38,7 @@ inline ClockReading ReadClocks(const Clock& clock) noexcept {
 // are steered together. One thread. Pinned by tests/unit/daemon/arrival_clock_test.cpp.
 class WallWatch {
  public:
-  // A smaller step is within what people accept between machines, and not reported.
+  // Smaller steps are usual between synchronized machines and are not reported.
   static constexpr std::int64_t kStep_ns = 5 * kMillisecond_ns;
 
   // Call about once a second. Returns by how much the wall clock was set since the last call; 0:

@@ -25,7 +25,8 @@ Status ZmqSocket::LockPath(const std::string& path, const std::string& place) {
   return Status::Error(place + "in use (another styled?)");
 }
 
-// The umask gives the file its final mode at creation, so that nobody can connect before a chmod.
+// The umask gives the file its final mode at creation, so that no other user can connect before a
+// chmod.
 bool ZmqSocket::BindIpc(const std::string& address, const IpcAccess& ipc) {
   for (const uid_t user : ipc.users) {
     if (zmq_setsockopt(socket_, ZMQ_IPC_FILTER_UID, &user, sizeof user) != 0) return false;

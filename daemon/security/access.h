@@ -17,7 +17,7 @@ namespace styled::security {
 // The clients that are allowed, and which client owns which connection of the publisher. libzmq
 // asks about a client only when it connects. To stop publishing to a revoked client at once, this
 // class cuts its connections; the client may reconnect and is then refused. Requests on the control
-// socket are judged one by one. A client is identified by its public key, in Z85. Any thread may
+// socket are checked one by one. A client is identified by its public key, in Z85. Any thread may
 // call; a call holds a lock for a look-up.
 class Access {
  public:

@@ -6,9 +6,6 @@
 #include <unistd.h>
 #include <zmq.h>
 
-#include <cerrno>
-#include <cstring>
-#include <span>
 #include <utility>
 
 namespace styled::security {
@@ -97,8 +94,8 @@ Status Gatekeeper::Encrypt(runtime::ZmqSocket& socket, Door door) const {
 
 Status Gatekeeper::Guard(runtime::ZmqSocket& socket, Door door) {
   if (Status status = Encrypt(socket, door); !status.ok()) return status;
-  // Clients without a key, or with another server's key, fail before ZAP is asked. The monitor
-  // counts them.
+  // Clients without a key, or with another server's key, fail before the request to ZAP. The
+  // monitor counts them.
   zmq_socket_monitor(socket.get(), MonitorOf(door).c_str(),
                      ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
   return Status::Ok();
@@ -179,7 +176,7 @@ void Gatekeeper::Reread() {
   auto clients = keys::ReadClients(folder_);
   reread_ = !clients.ok();
   if (!clients.ok()) {
-    spdlog::error("security: the clients stay as they were: {}", clients.status().message());
+    spdlog::error("security: the list of clients is unchanged: {}", clients.status().message());
     return;
   }
   const Access::Change change = access_.Replace(std::move(clients.value().allowed));
@@ -219,7 +216,7 @@ bool Gatekeeper::Admit(const ZapRequest& request) {
   keys::Client client;
   const Access::Verdict verdict = access_.Judge(request.key, request.door, &client);
   if (verdict == Access::Verdict::kAllowed) {
-    spdlog::debug("security: {} comes to {} from {}", Describe(client), Domain(request.door),
+    spdlog::debug("security: {} connects to {} from {}", Describe(client), Domain(request.door),
                   request.address);
     return true;
   }

@@ -34,7 +34,7 @@ class Gatekeeper {
 
   // Configures `socket`, which must not be bound yet, to admit only clients with a key for `door`.
   Status Guard(runtime::ZmqSocket& socket, Door door);
-  // The same for a socket of the daemons among themselves: it admits operators' keys.
+  // The same for a socket between the two daemons: it admits operators' keys.
   Status GuardPeers(runtime::ZmqSocket& socket);
   // Configures `socket`, which must not be connected yet, to show this daemon's own key to the
   // daemon whose public key is `server_key`.

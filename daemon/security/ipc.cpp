@@ -32,7 +32,7 @@ Result<runtime::IpcAccess> ResolveIpc(const config::Ipc& config, const std::stri
   for (const std::string& name : config.users) {
     const auto user = FindUser(name);
     if (!user) {
-      return Status::Error(section + ".ipc_users: \"" + name + "\" is no user of this machine");
+      return Status::Error(section + ".ipc_users: \"" + name + "\" is not a user of this machine");
     }
     access.users.push_back(*user);
   }

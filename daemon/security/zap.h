@@ -12,11 +12,11 @@ enum class Door : std::uint8_t { kPublish, kControl };
 std::string_view Domain(Door door) noexcept;
 
 // libzmq's question about a connection (rfc.zeromq.org/spec/27). The client has already proved that
-// it holds the secret key; nothing else of it has been read.
+// it holds the secret key; nothing else from it has been read.
 struct ZapRequest {
   std::string_view id;  // to be repeated in the reply
   Door door = Door::kPublish;
-  std::string_view address;  // the client's, numeric, without port
+  std::string_view address;  // the client's address, numeric, without port
   std::string key;           // the client's public key, Z85
 };
 

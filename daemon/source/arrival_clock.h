@@ -10,11 +10,11 @@
 
 namespace styled::source {
 
-// Turns the kernel's timestamps of datagrams, which are of the wall clock, into times of the
-// monotonic clock. A wall clock that is set meanwhile makes no nonsense: a datagram arrived between
-// the time at which the socket was last seen empty and now, and a timestamp that says otherwise is
-// tried with the clocks' difference before the step, else not believed: the datagram counts as
-// arrived now. One per socket; one thread; allocates nothing. Pinned by
+// Converts the kernel's timestamps of datagrams, which are in wall-clock time, to the monotonic
+// clock. Setting the wall clock does not corrupt the result: a datagram arrived between the time at
+// which the socket was last seen empty and now. A timestamp outside this interval is tried with the
+// clocks' difference before the step. If it still does not fit, the datagram counts as arrived now.
+// One per socket; one thread; allocates nothing. Pinned by
 // tests/unit/daemon/arrival_clock_test.cpp.
 class ArrivalClock {
  public:
@@ -27,7 +27,7 @@ class ArrivalClock {
     if (reading.offset_ns() != offset_ns_) earlier_offset_ns_ = offset_ns_;
     offset_ns_ = reading.offset_ns();
   }
-  // When the datagram with this timestamp arrived. Never later than now.
+  // The time at which the datagram with this timestamp arrived. Never later than now.
   STYLED_REALTIME std::int64_t Arrival_ns(std::int64_t stamp_ns) const noexcept {
     for (const std::int64_t offset_ns : {offset_ns_, earlier_offset_ns_}) {
       const std::int64_t arrival_ns = stamp_ns - offset_ns;
@@ -37,16 +37,17 @@ class ArrivalClock {
     }
     return now_ns_;
   }
-  // Call at the end; `drained`: nothing waits in the socket any more.
+  // Call after the last datagram of a reading; `drained`: no more datagrams wait in the socket.
   STYLED_REALTIME void End(bool drained) noexcept {
     if (drained) empty_ns_ = began_ns_;
   }
-  std::int64_t now_ns() const noexcept { return now_ns_; }  // of the last Received()
-  // When nothing was waiting last; the beginning of time before that was seen.
+  std::int64_t now_ns() const noexcept { return now_ns_; }  // returned by the last Received()
+  // The last time at which no datagram was waiting; the beginning of time before the first one.
   std::int64_t empty_ns() const noexcept { return empty_ns_; }
 
  private:
-  // A datagram is stamped some time before the socket has it, and clocks are not read at once.
+  // A datagram is stamped some time before the socket has it, and the clocks are not read at the
+  // same moment.
   static constexpr std::int64_t kSlack_ns = 2 * runtime::kMillisecond_ns;
   std::int64_t began_ns_ = 0, now_ns_ = 0;
   std::int64_t empty_ns_ = std::numeric_limits<std::int64_t>::min() / 2;

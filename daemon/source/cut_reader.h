@@ -12,8 +12,8 @@ namespace styled::source {
 
 // Cuts a rig's TCP stream into its datagrams, as native::StreamReader does for the native protocol.
 // The rig's protocol determines where each datagram ends. Works in the caller's buffer, which must
-// hold more than the largest datagram (two of them, for few moves) and outlive the reader.
-// Allocates nothing; one thread at a time.
+// outlive the reader and hold more than the largest datagram (with room for two, bytes are moved
+// less often). Allocates nothing; one thread at a time.
 class CutReader {
  public:
   using Result = rigs::Cut;
@@ -25,7 +25,7 @@ class CutReader {
       : buffer_(buffer), cut_(cut) {}
 
   // Where to receive next. Moves an incomplete datagram to the front of the buffer, which
-  // invalidates the records handed out before.
+  // invalidates the records returned before.
   STYLED_REALTIME std::span<std::byte> Space() noexcept {
     if (begin_ > 0) {
       std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
@@ -47,7 +47,7 @@ class CutReader {
     begin_ += size;
     return result;
   }
-  // Bytes received that belong to no whole datagram yet.
+  // Received bytes that do not yet form a whole datagram.
   std::size_t Pending() const noexcept { return end_ - begin_; }
   std::span<const std::byte> PendingBytes() const noexcept {
     return buffer_.subspan(begin_, end_ - begin_);

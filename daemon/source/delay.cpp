@@ -31,8 +31,8 @@ struct Sender {
   std::uint64_t sequence = 0, time_ns = 0;
   std::int64_t due_ns = 0, period_ns = 0;
 
-  // Notes a frame unless it is older than the newest one.
-  void Take(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
+  // Records a frame unless it is older than the newest one.
+  void Record(std::uint64_t the_sequence, std::uint64_t the_time_ns, std::int64_t the_due_ns) {
     if (the_sequence <= sequence && due_ns != 0) return;
     if (the_sequence == sequence + 1) period_ns = static_cast<std::int64_t>(the_time_ns - time_ns);
     sequence = the_sequence;
@@ -92,7 +92,7 @@ class Delayed final : public Transport, private Receiver {
   };
 
   void OnNote(int source, const std::string& text) override { to_->OnNote(source, text); }
-  void OnNews(int source, const std::string& text) override { to_->OnNews(source, text); }
+  void OnNotice(int source, const std::string& text) override { to_->OnNotice(source, text); }
   STYLED_REALTIME void OnArrival(const Arrival& arrival) noexcept override {
     to_->OnArrival(arrival);
   }
@@ -137,7 +137,7 @@ class Delayed final : public Transport, private Receiver {
     if (late_ns > delay_ns_) ++missed_;
     // now_ns - late_ns is when the frame would have arrived with the shortest transit.
     const std::int64_t schedule_ns = now_ns - late_ns + delay_ns_;
-    sender.Take(frame.sequence, frame.source_time_ns, schedule_ns);
+    sender.Record(frame.sequence, frame.source_time_ns, schedule_ns);
     return {std::max(now_ns, schedule_ns), schedule_ns};
   }
 
@@ -163,7 +163,7 @@ class Delayed final : public Transport, private Receiver {
     return *place;
   }
 
-  // Hands on the frames that are due, and at least `least` of those held.
+  // Passes on the frames that are due, and at least `least` frames.
   int Release(std::int64_t now_ns, std::size_t least) {
     std::array<SourceFrame, kBatch> batch;
     std::size_t count = 0;
@@ -200,7 +200,7 @@ class Delayed final : public Transport, private Receiver {
   Receiver* to_ = nullptr;
   int source_ = 0;
   std::vector<Slot> slots_;
-  std::vector<std::size_t> free_, due_;  // indices of slots; due_ in the order of leaving
+  std::vector<std::size_t> free_, due_;  // indices of slots; due_ in the order in which they leave
   std::vector<Sender> senders_;
   runtime::Histogram arrived_, left_;  // lateness of frames at arrival and at leaving
   std::uint64_t missed_ = 0;

@@ -30,7 +30,7 @@ void Write(const Face::Expression& expression, WireWriter& out) noexcept {
   }
 }
 
-// Reads a varint; returns false where the bytes end in it, or it is larger than a length can be.
+// Reads a varint. Returns false if the bytes end within it, or it is larger than a length can be.
 bool ReadVarint(std::span<const std::byte> bytes, std::size_t& at, std::size_t& value) noexcept {
   value = 0;
   for (unsigned shift = 0; at < bytes.size() && shift < 28; shift += 7) {
@@ -45,7 +45,7 @@ bool ReadVarint(std::span<const std::byte> bytes, std::size_t& at, std::size_t& 
 class FieldReader {
  public:
   explicit FieldReader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
-  // Returns false at the end, and at what is not a field with a length.
+  // Returns false at the end, and at bytes that are not a field with a length.
   bool Next() noexcept {
     begin = at_;
     if (at_ == bytes_.size() || !ReadVarint(bytes_, at_, tag) || !ReadVarint(bytes_, at_, size)) {

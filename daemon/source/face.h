@@ -9,8 +9,8 @@
 
 namespace styled::source {
 
-// Data that a rig sends beside the pose: expressions (name and weight), and messages that are
-// passed on unread. Holds views only; a translator keeps one object and refills it.
+// Data that a rig sends in addition to the pose: expressions (name and weight), and messages that
+// are passed on unread. Holds views only; a translator keeps one object and refills it.
 struct Face {
   struct Expression {
     std::string_view name;  // UTF-8
@@ -21,12 +21,12 @@ struct Face {
 };
 
 // Encodes the face as fields 18 and 19 of v1::SourceFrame, byte for byte as protobuf would. Returns
-// the number of bytes, or 0 where `to` is too small for all of them. Pure. Pinned against protobuf
-// by tests/unit/daemon/performer_stream_test.cpp.
+// the number of bytes, or 0 if `to` is too small for all of them. Pure. Pinned against protobuf by
+// tests/unit/daemon/performer_stream_test.cpp.
 STYLED_REALTIME std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept;
 
 // The part of an encoded face that holds the messages that are passed on: they follow the
-// expressions (frame.proto). Empty where the bytes are not such fields.
+// expressions (frame.proto). Empty if the bytes are not such fields.
 STYLED_REALTIME std::span<const std::byte> PassedOn(std::span<const std::byte> face) noexcept;
 // Multiplies the values of an encoded face's expressions; stops at bytes that are not such fields.
 STYLED_REALTIME void ScaleFace(std::span<std::byte> face, float by) noexcept;

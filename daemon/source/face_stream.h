@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "daemon/source/face.h"
@@ -22,8 +20,8 @@ class FaceStream {
 
   // Subsequent frames belong to a new session.
   STYLED_REALTIME void Restart() noexcept;
-  // `number`: of the frame, growing in a session; an older one is not merged. A face of more than
-  // kMaxFace bytes is not sent.
+  // `number`: the frame's number, increasing within a session; an older one is not merged. A face
+  // of more than kMaxFace bytes is not sent.
   STYLED_REALTIME void Send(const Face& face, std::uint64_t number, std::uint64_t source_time_ns,
                             Outbox& out) noexcept;
 
@@ -33,7 +31,7 @@ class FaceStream {
 };
 
 // The face of ARKit's 52 weights, clamped to 0 .. 1: under their own names, or as VRM's presets. A
-// weight that is not a number keeps its last value. Nothing but the constructor allocates.
+// weight that is not a number keeps its last value. Allocates only in the constructor.
 class ShapeFace {
  public:
   explicit ShapeFace(bool as_presets);

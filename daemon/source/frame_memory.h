@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -20,7 +19,7 @@ class FrameMemory {
   explicit FrameMemory(std::size_t bytes) { bytes_.reserve(bytes); }
 
   // Returns a copy of the frame whose views point into this object; valid until the next Keep.
-  // Allocates only for a frame that is larger than the reserved room and than any before.
+  // Allocates only for a frame that is larger than the reserved room and all earlier frames.
   STYLED_REALTIME SourceFrame Keep(const SourceFrame& frame) noexcept {
     SourceFrame kept = frame;
     const auto name = std::as_bytes(std::span(frame.performer));

@@ -6,6 +6,7 @@
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/face.h"
 #include "daemon/source/wire.h"
+#include "model/base/crc32c.h"
 #include "model/base/text.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/styled/face.h"
@@ -62,7 +63,7 @@ bool IsExpression(std::span<const std::byte> bytes) noexcept {
 
 constexpr std::uint32_t kExpressions = 18, kThru = 19, kPropsField = 20;
 
-// Extends `run` by a field's bytes, or starts it anew at `begin` if it does not end there.
+// Extends `run` by a field's bytes, or restarts it at `begin` if it does not end there.
 void Extend(const std::byte* begin, const std::byte* end, std::span<const std::byte>& run) {
   const bool goes_on = !run.empty() && run.data() + run.size() == begin;
   const std::byte* const from = goes_on ? run.data() : begin;
@@ -91,7 +92,7 @@ bool ReadField(WireReader& reader, std::uint32_t field, std::uint32_t wire,
       case kExpressions:
         return IsExpression(bytes);
       default:
-        // Fields 2 and 6 are scalars and must not come as bytes.
+        // Fields 2 and 6 are scalars and must not be length-delimited.
         return field != 2 && field != 6;
     }
   }
@@ -138,7 +139,7 @@ std::string_view ReadPerformer(std::span<const std::byte> payload) noexcept {
 
 namespace {
 
-// Returns kCount for a good frame, else the counter of the refusal.
+// Returns kCount for a good frame, otherwise the counter of the refusal.
 runtime::Counter Decode(std::span<const std::byte> bytes, SourceFrame& frame) noexcept {
   using runtime::Counter;
   native::Datagram datagram;
@@ -149,7 +150,7 @@ runtime::Counter Decode(std::span<const std::byte> bytes, SourceFrame& frame) no
     frame.is_body = true;
     frame.performer = ReadPerformer(datagram.payload);
     if (!config::IsName(frame.performer)) return Counter::kSourceBadName;
-    frame.body_crc = native::Crc32c(datagram.payload);
+    frame.body_crc = Crc32c(datagram.payload);
     frame.body_bytes = datagram.payload;
   } else {
     const FrameResult read = ReadSourceFrame(datagram.payload, frame);
@@ -213,7 +214,7 @@ void NativeDecoder::Spread(std::span<SourceFrame> frames, const ReadTogether& re
     for (const SourceFrame& later : frames.subspan(i + 1)) {
       if (!later.is_body && later.performer == frame.performer) last = &later;
     }
-    // Clocks of rigs may go back, and may say anything.
+    // Clocks of rigs may go back, and may have any value.
     if (last->source_time_ns <= frame.source_time_ns) continue;
     const std::uint64_t before_ns = last->source_time_ns - frame.source_time_ns;
     const auto most_ns =

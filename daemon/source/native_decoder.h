@@ -13,10 +13,11 @@
 
 namespace styled::source {
 
-// Of records that one read of a stream returned, the kernel tells when the last byte arrived.
+// For records that one read of a stream returned, the kernel reports only when the last byte
+// arrived.
 struct ReadTogether {
-  std::int64_t last_ns = 0;        // then
-  std::int64_t not_before_ns = 0;  // nothing had arrived until then
+  std::int64_t last_ns = 0;        // time at which the last byte arrived
+  std::int64_t not_before_ns = 0;  // time until which nothing had arrived
 };
 
 // Decodes the native protocol (proto/styled/v1/WIRE.md) into SourceFrames, for UDP, TCP, USB and
@@ -34,8 +35,9 @@ class NativeDecoder {
   void HandOn(std::span<const std::span<const std::byte>> datagrams,
               std::span<const Machine> senders, Receiver& receiver,
               std::span<const std::int64_t> arrivals_ns = {});
-  // The same of a stream's records. Before a performer's last frame the others arrived as far apart
-  // as the rig took them: else what waited while the loop was held up would all seem to be new.
+  // The same for a stream's records. The arrival times of a performer's earlier frames are spaced
+  // as its rig captured them, counted back from its last frame. Otherwise frames that waited while
+  // the loop was delayed would all seem to be new.
   void HandOn(std::span<const std::span<const std::byte>> records, std::span<const Machine> senders,
               Receiver& receiver, const ReadTogether& read);
 

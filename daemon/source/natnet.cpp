@@ -106,7 +106,7 @@ class NatNetTransport final : public Transport {
   }
   // One epoll instance holds both sockets; the pipeline polls that instance.
   int fd() const override { return epoll_.get(); }
-  // The server's address: our own ports are of the kernel's choice.
+  // The server's address; the kernel chooses our own ports.
   const std::string& endpoint() const override { return endpoint_; }
   std::uint64_t received() const override {
     return command_.received() + earlier_ + (data_ ? data_->received() : 0);
@@ -132,7 +132,7 @@ class NatNetTransport final : public Transport {
     socket.Announce(source_, receiver);
     outbox_.Open(receiver, command_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      translator_.Take(datagrams[i], socket.Sender(i), socket.arrived_ns(i), outbox_);
+      translator_.Handle(datagrams[i], socket.Sender(i), socket.arrived_ns(i), outbox_);
     }
     outbox_.Close();
     return static_cast<int>(datagrams.size());
@@ -173,9 +173,9 @@ class NatNetTransport final : public Transport {
   NatNet translator_;
   Outbox outbox_;
   std::optional<UdpSocket> data_;
-  // Datagrams received from former groups, and those that the kernel dropped there.
+  // Datagrams received from former groups, and datagrams that the kernel dropped there.
   std::uint64_t earlier_ = 0, earlier_dropped_ = 0;
-  std::optional<NatNet::Stream> joined_;  // the group joined, or last tried
+  std::optional<NatNet::Stream> joined_;  // the group that was joined, or tried last
   std::int64_t next_try_ns_ = Translator::kNever;
   std::string complaint_;
 };
@@ -194,7 +194,7 @@ Result<std::unique_ptr<Transport>> MakeNatNetTransport(const config::Source& con
   auto command = BindSocket(SOCK_DGRAM, config.listen, config.receive_buffer_bytes);
   if (!command.ok()) return command.status();
   if (BoundAddress(command.value().get()).starts_with('[')) {
-    return Status::Error("udp " + config.listen + ": expected an IPv4 address, as the server's is");
+    return Status::Error("udp " + config.listen + ": expected an IPv4 address, like the server's");
   }
   Descriptor epoll(epoll_create1(EPOLL_CLOEXEC));
   if (epoll.get() < 0) return Status::Error("udp " + config.listen + ": no file descriptor left");

@@ -10,7 +10,7 @@
 
 namespace styled::source {
 
-// Limits log lines that a remote sender can cause at will: `burst` lines at once, then one a
+// Limits log lines that a remote sender can trigger at will: `burst` lines at once, then one a
 // second. One object per kind of line; pipeline thread. Does not allocate. Pinned by
 // tests/unit/daemon/tcp_test.cpp.
 class NoteLimit {
@@ -18,8 +18,8 @@ class NoteLimit {
   explicit NoteLimit(int burst = 1) : burst_ns_((burst - 1) * runtime::kSecond_ns) {}
 
   // Counts one more event. Returns 0 if no line may be logged now; otherwise the number of events
-  // that the line stands for: this one and those since the last line. `now_ns` must not go back.
-  STYLED_REALTIME std::uint64_t Take(std::int64_t now_ns) noexcept {
+  // that the line reports: this one and those since the last line. `now_ns` must not go back.
+  STYLED_REALTIME std::uint64_t Count(std::int64_t now_ns) noexcept {
     ++times_;
     const std::int64_t from_ns = std::max(paid_ns_, now_ns);
     if (from_ns - now_ns > burst_ns_) return 0;

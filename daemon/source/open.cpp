@@ -18,7 +18,7 @@ Result<std::unique_ptr<Transport>> Open(const config::Source& config, int source
                     : type.connects() ? MakeTcpClient
                     : type.stream     ? MakeTcp
                                       : MakeUdp;
-  // NatNet's client opens a second socket, where its server tells it to.
+  // NatNet's client opens a second socket, at an address that its server announces.
   auto opened = type.rig->asks_server && !type.connects()
                     ? MakeNatNetTransport(config, source, clock, counters)
                     : make(config, source, clock, counters, MakeTranslator(config));

@@ -10,10 +10,10 @@
 
 namespace styled::source {
 
-// Opens what a [[source]] names: its transport, the rig's translator in it where it has one, and
-// the delay before it. `config` is valid (config::Validate); `source` numbers it for the receiver.
-// Clock and counters outlive the transport. Errors name the address, or say why there is no USB.
-// Start-up only; allocates and opens sockets.
+// Opens a [[source]]: its transport, its rig's translator if there is one, and its delay. `config`
+// is valid (config::Validate); `source` is its number for the receiver. Clock and counters outlive
+// the transport. Errors name the address, or say why there is no USB. Start-up only; allocates and
+// opens sockets.
 Result<std::unique_ptr<Transport>> Open(const config::Source& config, int source,
                                         runtime::Clock& clock, runtime::Counters& counters);
 

@@ -28,11 +28,11 @@ class Outbox {
  public:
   Outbox(int source, runtime::Counters& counters);
 
-  // Queues a frame or body for the pipeline and copies what it views. The queue is passed on when
-  // it fills a batch, and by Close().
+  // Queues a frame or body for the pipeline and copies the data that it views. The queue is passed
+  // on when it holds a full batch, and by Close().
   STYLED_REALTIME void Put(const SourceFrame& frame) noexcept;
 
-  // Counts that the rig's datagram, or a part of it, was refused.
+  // Counts a refused datagram of the rig, or a refused part of one.
   STYLED_REALTIME void Refuse(runtime::Counter reason) noexcept {
     counters_.AddOf(source_, reason);
   }
@@ -42,11 +42,11 @@ class Outbox {
     LeaveHotSection();
     receiver_->OnNote(source_, text());
   }
-  // The same of what needs nobody's attention (Receiver::OnNews).
+  // The same for a line that is not a warning (Receiver::OnNotice).
   template <typename MakeText>
-  void News(const MakeText& text) {
+  void Notice(const MakeText& text) {
     LeaveHotSection();
-    receiver_->OnNews(source_, text());
+    receiver_->OnNotice(source_, text());
   }
   // Sends a reply to a rig; dropped if it cannot be sent at once.
   STYLED_REALTIME void Reply(const Peer& peer, std::span<const std::byte> datagram) noexcept;

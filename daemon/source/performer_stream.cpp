@@ -4,8 +4,8 @@
 
 #include "daemon/config/config.h"
 #include "daemon/runtime/clock.h"
+#include "model/base/crc32c.h"
 #include "model/base/random_id.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::source {
 namespace {
@@ -45,7 +45,7 @@ PerformerStream::PerformerStream(std::string performer)
     : performer_(std::move(performer)), session_(RandomId() | 1U) {}
 
 void PerformerStream::Restart() noexcept {
-  session_ += 2;  // of the same sender (WIRE.md); odd stays odd: never 0
+  session_ += 2;  // of the same sender (WIRE.md); stays odd: never 0
   sequence_ = 0;
   next_body_ns_ = 0;
 }
@@ -56,7 +56,7 @@ void PerformerStream::SetBody(const rig::RigBody& body, Outbox& out) {
   body_ = body;
   message_ = std::make_shared<const v1::Body>(MakeMessage(performer_, body));
   const std::string bytes = message_->SerializeAsString();
-  body_crc_ = native::Crc32c(std::as_bytes(std::span(bytes)));
+  body_crc_ = Crc32c(std::as_bytes(std::span(bytes)));
   next_body_ns_ = 0;
 }
 

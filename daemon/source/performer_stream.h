@@ -28,8 +28,8 @@ class PerformerStream {
 
   // The sender restarted: subsequent frames belong to a new session with the same body.
   STYLED_REALTIME void Restart() noexcept;
-  // Sets the body that subsequent poses belong to; it is sent with the next frame. A body that
-  // differs from the last one is a change within the session. Allocates when the body differs.
+  // Sets the body of the subsequent poses; it is sent with the next frame. A body that differs from
+  // the last one is a change within the session. Allocates when the body differs.
   void SetBody(const rig::RigBody& body, Outbox& out);
   // Reserves room for the faces of frames. Allocates.
   void ReserveFace() { face_.resize(kMaxFace); }
@@ -41,8 +41,9 @@ class PerformerStream {
     std::int64_t now_ns = 0;             // time of arrival, monotonic
     std::uint64_t lost = 0;              // frames lost before this one, by the rig's own count
     const Timecode* timecode = nullptr;  // null: the same as in the last frame
-    const Face* face = nullptr;          // null, or larger than the reserved room: no face
-    std::span<const Prop> props = {};    // encoded as far as they fit into kMaxPropBytes
+    const Face* face = nullptr;          // null, or larger than the reserved room: the frame has no
+                                         // face
+    std::span<const Prop> props = {};    // those that fit into kMaxPropBytes are encoded
     bool scene_props = false;            // as in SourceFrame
   };
   // Sends a pose of the body: local rotations, NaN for a joint that is not tracked. `pose` must

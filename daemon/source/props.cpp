@@ -15,7 +15,8 @@ constexpr std::uint32_t kProps = 20, kPropName = 1, kPropPosition = 2, kPropRota
 constexpr std::uint32_t Tag(std::uint32_t field) { return field << 3U | kBytes; }
 
 // As for joints (model/stylist/tuning.h): a coordinate beyond this is an error, whatever its unit;
-// a rotation of a smaller squared length has no direction; within the last one its length is 1.
+// a rotation of a smaller squared length has no direction; within this distance of 1 a length
+// counts as 1.
 constexpr float kLargest = 1e9F, kLeastSquare = 1e-6F, kUnitTolerance = 5e-4F;
 
 constexpr std::size_t kPositionBytes = 3 * sizeof(float), kRotationBytes = 4 * sizeof(float);
@@ -39,7 +40,7 @@ void WriteProp(const Prop& prop, WireWriter& out) noexcept {
   out.Bytes(std::as_bytes(std::span(prop.rotation.coeffs().data(), 4)));
 }
 
-// Reads one message; false if it is none, or lacks a number.
+// Reads one message. Returns false if the bytes are not a message, or lack a number.
 bool ReadProp(std::span<const std::byte> bytes, Prop& prop) noexcept {
   WireReader reader(bytes);
   bool has_position = false, has_rotation = false;

@@ -36,17 +36,18 @@ struct PropList {
 };
 
 // Encodes the props as field 20 of v1::SourceFrame, byte for byte as protobuf would, as many as fit
-// into `to`; returns the number of bytes. A name is cut behind the first byte that makes it too
+// into `to`; returns the number of bytes. A name is cut after the first byte that makes it too
 // long, so that ReadProps counts it. Pure. Pinned against protobuf by
 // tests/unit/daemon/props_test.cpp.
 STYLED_REALTIME std::size_t EncodeProps(std::span<const Prop> props,
                                         std::span<std::byte> to) noexcept;
 
-// Reads encoded props; their names point into `bytes`. Left out and counted: what has no name, or
-// one that is too long, no UTF-8 or that of an earlier prop; a position or rotation that is not
-// three or four packed, finite numbers; coordinates beyond a billion units; a rotation of no
-// length; those beyond kMaxProps. Bytes that are no such field end it and count as one. A rotation
-// whose length is not 1 is normalized, as that of a joint. Pure; any bytes.
+// Reads encoded props; their names point into `bytes`. The following are left out and counted: a
+// prop without a name; a name that is too long, not UTF-8 or that of an earlier prop; a position or
+// rotation that is not three or four packed, finite numbers; coordinates beyond a billion units; a
+// rotation of zero length; props beyond kMaxProps. Bytes that are not such a field end the reading
+// and count as one prop. A rotation whose length is not 1 is normalized, like that of a joint.
+// Pure; any bytes.
 STYLED_REALTIME void ReadProps(std::span<const std::byte> bytes, PropList& list) noexcept;
 
 }  // namespace styled::source

@@ -29,7 +29,7 @@ RateLimiter::RateLimiter(int limit_hz, std::uint64_t seed)
 
 RateLimiter::RateLimiter(int limit_hz) : RateLimiter(limit_hz, RandomId()) {}
 
-// Each row is a set of kWays buckets. An unknown address takes an unused bucket or the one that was
+// Each row is a set of kWays buckets. An unknown address gets an unused bucket, or the one that was
 // silent for longest.
 RateLimiter::Bucket& RateLimiter::Find(const Machine& address, std::int64_t now_ns) noexcept {
   auto& row = table_[Mix(Mix(address[0] ^ seed_) ^ address[1]) % kRows];

@@ -26,9 +26,9 @@ struct SourceFrame {
   // CRC-32C of the serialized Body: of this body, or of the body that a frame's pose belongs to (0:
   // not stated; the session's last body is meant).
   std::uint32_t body_crc = 0;
-  // When the datagram that completes it arrived, on the clock of runtime::Clock::Now_ns(): of UDP
-  // and accepted TCP connections at the kernel, else when it was read. 0: when it is handed over.
-  // Only latencies depend on it.
+  // The arrival time of the datagram that completes it, on the clock of runtime::Clock::Now_ns():
+  // for UDP and accepted TCP connections the kernel's time, otherwise the time of reading. 0: the
+  // time at which it is passed on. Only latencies depend on it.
   std::int64_t arrival_ns = 0;
 
   // For a frame. The pose consists of floats in this machine's byte order, aligned or not: root
@@ -40,7 +40,7 @@ struct SourceFrame {
   Timecode timecode;
   std::span<const std::byte> root_position, rotations;
   // Expressions and passed-on messages: fields 18 and 19 of v1::SourceFrame including their tags,
-  // which mean the same in v1::Frame. At most kMaxFace bytes (proto/styled/face.h).
+  // which are the same in v1::Frame. At most kMaxFace bytes (proto/styled/face.h).
   std::span<const std::byte> face;
   // Objects that the rig tracks: field 20 of v1::SourceFrame including its tags, unchecked
   // (ReadProps of props.h). At most kMaxPropBytes. `scene_props`: they belong to all performers of
@@ -48,9 +48,9 @@ struct SourceFrame {
   std::span<const std::byte> props;
   bool scene_props = false;
 
-  // For a body: the object that a translator made, or else the serialized message as it arrived.
-  // The latter is parsed only after the body is admitted, so that a refused sender costs no
-  // allocation.
+  // For a body: the object that a translator made; without a translator, the serialized message as
+  // it arrived. The latter is parsed only after the body is admitted, so that a refused sender
+  // costs no allocation.
   std::shared_ptr<const v1::Body> body;
   std::span<const std::byte> body_bytes;
 };

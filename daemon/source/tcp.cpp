@@ -28,15 +28,15 @@ using runtime::BoundAddress;
 using runtime::Counter;
 using runtime::kSecond_ns;
 
-// Bound of a cycle: so many connections are read, and so many bytes of each. A frame of 21 joints
-// has 400 bytes, so that is some 330 frames.
+// Bounds per cycle: the number of connections that are read, and the bytes read from each. A frame
+// of 21 joints has 400 bytes, so that is some 330 frames.
 constexpr int kReads = 8;
 constexpr std::size_t kReadBytes = 16384;
-// A new connection must bring a whole record within this time, even if its bytes come slowly.
+// A new connection must send a whole record within this time, even if its bytes arrive slowly.
 // Senders repeat skeleton or name once a second, so five were missed.
 constexpr std::int64_t kFirstRecord_ns = 5 * kSecond_ns;
-// A connection without a record for so long may be replaced by a new one. Of a rig that still sends
-// at 1 Hz, four records may be late.
+// A connection without a record for this long may be replaced by a new one. For a rig that sends at
+// 1 Hz, four records may be late.
 constexpr std::int64_t kSilent_ns = 5 * kSecond_ns;
 
 // Reader is StreamReader for native records, CutReader for a rig's.
@@ -147,8 +147,8 @@ class Tcp final : public Transport {
                              [](const Owned& connection) { return connection->any_record; });
   }
 
-  // Replaces a connection that never sent a record, else the one that was silent for longest. A
-  // connection that sends is kept.
+  // Replaces a connection that never sent a record, otherwise the one that was silent for longest.
+  // A connection that sends is kept.
   bool MakeRoom(std::int64_t now_ns, Receiver& receiver) {
     auto place = OldestWithoutRecord();
     if (place == connections_.end()) {
@@ -158,7 +158,7 @@ class Tcp final : public Transport {
     }
     Connection& connection = **place;
     counters_.AddOf(source_, Counter::kSourceTcpGaveWay);
-    if (const auto times = gave_way_notes_.Take(now_ns)) {
+    if (const auto times = gave_way_notes_.Count(now_ns)) {
       receiver.OnNote(source_, "all " + std::to_string(max_connections_) +
                                    " connections (max_connections) are taken: that of " +
                                    connection.Who() + ", which " +
@@ -171,7 +171,7 @@ class Tcp final : public Transport {
 
   void Refuse(const std::string& who, std::int64_t now_ns, Receiver& receiver) {
     counters_.AddOf(source_, Counter::kSourceTcpRefused);
-    if (const auto times = refused_notes_.Take(now_ns)) {
+    if (const auto times = refused_notes_.Count(now_ns)) {
       receiver.OnNote(source_, "all " + std::to_string(max_connections_) +
                                    " connections (max_connections) are sending: that of " + who +
                                    " is refused" + Times(times));
@@ -184,9 +184,9 @@ class Tcp final : public Transport {
     for (; now_ns >= NextDeadline_ns(); ++closed) {
       Connection& connection = **OldestWithoutRecord();
       counters_.AddOf(source_, Counter::kSourceTcpSilent);
-      if (const auto times = silent_notes_.Take(now_ns)) {
+      if (const auto times = silent_notes_.Count(now_ns)) {
         receiver.OnNote(source_, "the connection of " + connection.Who() +
-                                     " is closed: no whole record came in " +
+                                     " is closed: no whole record arrived in " +
                                      std::to_string(kFirstRecord_ns / kSecond_ns) + " s" +
                                      Times(times));
       }
@@ -257,12 +257,12 @@ class Tcp final : public Transport {
     }
     outbox_.Open(receiver, -1);
     for (const auto record : records) {
-      translator_->Take(record, connection.peer, read.last_ns, outbox_);
+      translator_->Handle(record, connection.peer, read.last_ns, outbox_);
     }
     outbox_.Close();
   }
 
-  // As recv; and when the last byte arrived at the kernel.
+  // Like recv, and returns when the last byte arrived at the kernel.
   ssize_t Read(Connection& connection, std::span<std::byte> space) noexcept {
     iovec place{space.data(), space.size()};
     alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control;

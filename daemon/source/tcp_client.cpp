@@ -27,7 +27,7 @@ using runtime::kSecond_ns;
 constexpr std::size_t kClientReadBytes = 65536;
 constexpr std::int64_t kConnectTimeout_ns = 5 * kSecond_ns;
 constexpr std::int64_t kFirstPause_ns = kSecond_ns, kLongestPause_ns = 5 * kSecond_ns;
-// A server without a measurement sends nothing for hours, so the kernel asks whether it is there:
+// A server without a measurement sends nothing for hours, so the kernel probes the connection:
 // after 5 s of silence, five times, a second apart.
 constexpr int kIdle_s = 5, kProbe_s = 1, kProbes = 5;
 
@@ -108,7 +108,7 @@ class TcpClient final : public Transport {
     return 1 + Finish(now_ns, receiver);
   }
 
-  // Looks whether the connection has been made.
+  // Checks whether the connection has been made.
   int Finish(std::int64_t now_ns, Receiver& receiver) {
     pollfd waiting{socket_.get(), POLLOUT, 0};
     if (poll(&waiting, 1, 0) != 1) {
@@ -172,13 +172,13 @@ class TcpClient final : public Transport {
                           reinterpret_cast<const sockaddr*>(&peer_.address), peer_.address_size});
     }
     outbox_.Open(receiver, socket_.get());
-    for (const auto record : records) translator_->Take(record, peer_, now_ns, outbox_);
+    for (const auto record : records) translator_->Handle(record, peer_, now_ns, outbox_);
     outbox_.Close();
   }
 
   // Returns 1 if the connection has been closed.
   int CheckDialogue(std::int64_t now_ns, Receiver& receiver) {
-    if (const std::string fault = translator_->TakeFault(); !fault.empty()) {
+    if (const std::string fault = translator_->NextFault(); !fault.empty()) {
       Lose(fault, now_ns, receiver);
       return 1;
     }
@@ -187,8 +187,8 @@ class TcpClient final : public Transport {
     pause_ns_ = kFirstPause_ns;
     if (complaint_.empty()) return 0;
     complaint_.clear();
-    if (const auto times = again_notes_.Take(now_ns)) {
-      receiver.OnNews(source_, "server " + endpoint_ + ": connected again" + Times(times));
+    if (const auto times = again_notes_.Count(now_ns)) {
+      receiver.OnNotice(source_, "server " + endpoint_ + ": connected again" + Times(times));
     }
     return 0;
   }
@@ -200,7 +200,7 @@ class TcpClient final : public Transport {
     pause_ns_ = std::min(2 * pause_ns_, kLongestPause_ns);
     if (why == complaint_) return 1;
     complaint_ = why;
-    if (const auto times = lost_notes_.Take(now_ns)) {
+    if (const auto times = lost_notes_.Count(now_ns)) {
       receiver.OnNote(source_, "server " + endpoint_ + ": " + why + "; trying again every " +
                                    std::to_string(kLongestPause_ns / kSecond_ns) + " s" +
                                    Times(times));
@@ -228,11 +228,11 @@ class TcpClient final : public Transport {
   CutReader reader_;
   std::string endpoint_, complaint_;
   State state_ = State::kWaiting;
-  std::int64_t next_ns_ = 0;  // kWaiting: the next attempt; kConnecting: when this one is given up
+  std::int64_t next_ns_ = 0;  // kWaiting: the next attempt; kConnecting: the end of this attempt
   std::int64_t pause_ns_ = kFirstPause_ns;
   bool was_ready_ = false;
   std::uint64_t received_ = 0;
-  // Lines by a server that comes and goes.
+  // Limits the lines about a server that reconnects repeatedly.
   NoteLimit again_notes_, lost_notes_;
   std::array<std::span<const std::byte>, kBatch> records_;
 };
@@ -245,11 +245,11 @@ Result<std::unique_ptr<Transport>> MakeTcpClient(const config::Source& config, i
   const auto& rig = *rigs::FindSourceType(config.type)->rig;
   const auto server = config::ParseServer(config.server, rig.server_port);
   if (!server.ok()) return server.status();
-  // Tried once here, so that a wrong address is an error of the start.
+  // Tried once here, so that a wrong address is an error at start-up.
   const auto bound = BindSocket(SOCK_STREAM, config.listen, config.receive_buffer_bytes);
   if (!bound.ok()) return bound.status();
   if (runtime::BoundAddress(bound.value().get()).starts_with('[')) {
-    return Status::Error("tcp " + config.listen + ": expected an IPv4 address, as the server's is");
+    return Status::Error("tcp " + config.listen + ": expected an IPv4 address, like the server's");
   }
   Descriptor epoll(epoll_create1(EPOLL_CLOEXEC));
   if (epoll.get() < 0) {

@@ -13,9 +13,9 @@ namespace styled::source {
 
 // Translates a rig's own protocol (a codec of proto/rigs) into frames for the pipeline: one
 // PerformerStream per performer fills them in and puts them into the Outbox. The pipeline applies
-// the same rules to the frames of every rig; whatever is specific to one rig ends here. One per
-// source, pipeline thread. From a performer's second frame on it does not allocate, lock, log or
-// throw.
+// the same rules to the frames of every rig; nothing that is specific to one rig leaves its
+// translator. One per source, pipeline thread. From a performer's second frame on it does not
+// allocate, lock, log or throw.
 //
 // Poses leave it on a right-handed skeleton as local rotations (parent from joint). A sender's
 // restart becomes PerformerStream::Restart, a joint that is not tracked becomes NaN.
@@ -28,11 +28,11 @@ class Translator {
 
   // Handles one datagram, or record of a stream, that arrived at `now_ns` (monotonic). The bytes
   // are valid during the call.
-  virtual void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-                    Outbox& out) = 0;
+  virtual void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                      Outbox& out) = 0;
 
-  // Handles what depends on time alone: unfinished frames, ticks of a clock, heartbeats. Called
-  // after every batch and when NextDeadline_ns() has passed.
+  // Handles everything that depends on time alone: unfinished frames, ticks of a clock, heartbeats.
+  // Called after every batch and when NextDeadline_ns() has passed.
   virtual void Tick(std::int64_t /*now_ns*/, Outbox& /*out*/) {}
   virtual std::int64_t NextDeadline_ns() const { return kNever; }
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();

@@ -34,13 +34,13 @@ class Receiver {
   // first. Their views are valid during the call only. `more_waiting`: the batch is full, so the
   // newest frame may still be in the transport.
   virtual void OnFrames(int source, std::span<const SourceFrame> frames, bool more_waiting) = 0;
-  // All arriving bytes, once, before OnFrames delivers the frames made from them. This is what a
-  // recording keeps.
+  // All arriving bytes, once, before OnFrames delivers the frames made from them. A recording
+  // stores these bytes.
   STYLED_REALTIME virtual void OnArrival(const Arrival& /*arrival*/) noexcept {}
   // A line for the log, a warning. The caller limits how often the same fact is reported.
   virtual void OnNote(int /*source*/, const std::string& /*text*/) {}
-  // The same of what needs nobody's attention: a rig is calibrated, a server is back.
-  virtual void OnNews(int source, const std::string& text) { OnNote(source, text); }
+  // The same for a line that is not a warning: a rig is calibrated, a server answers again.
+  virtual void OnNotice(int source, const std::string& text) { OnNote(source, text); }
 };
 
 // The calibrations of a rig whose sensors do not know how they are mounted on the body.
@@ -53,8 +53,8 @@ enum class Calibration : std::uint8_t {
 // The effect of a delay on the frames of a source, over the last second.
 struct Smoothing {
   float delay_ms = 0;  // 0: none
-  // The lateness on the sender's schedule that 99 % of the frames did not exceed: at arrival, and
-  // at leaving, the delay itself not counted.
+  // The lateness, relative to the sender's schedule, that 99 % of the frames did not exceed: at
+  // arrival, and at leaving without the delay itself.
   float arrived_ms = 0;
   float left_ms = 0;
   std::uint64_t missed = 0;  // frames since the start that arrived later than the delay allows
@@ -65,7 +65,8 @@ struct Smoothing {
 class Transport {
  public:
   virtual ~Transport() = default;
-  // Passes what has arrived to `receiver`, up to a bound, and returns the number of datagrams.
+  // Passes the data that has arrived to `receiver`, up to a bound, and returns the number of
+  // datagrams.
   virtual int DoWork(Receiver& receiver) = 0;
   // The time at which DoWork has work even if nothing arrives; INT64_MAX: never.
   virtual std::int64_t NextDeadline_ns() const { return std::numeric_limits<std::int64_t>::max(); }
@@ -81,7 +82,8 @@ class Transport {
   // Number of datagrams and records that arrived, including refused ones.
   virtual std::uint64_t received() const = 0;
   virtual Smoothing smoothing() const { return {}; }
-  // Call about once a second, outside of the hot section: reads what no datagram tells.
+  // Call about once a second, outside of the hot section: reads values that arrive with no
+  // datagram.
   virtual void Sample() {}
   // Datagrams that the kernel dropped because the buffer was full, as of the last Sample().
   virtual std::uint64_t kernel_dropped() const { return 0; }

@@ -53,7 +53,7 @@ class TranslatedUdp final : public Transport {
     socket_.Announce(source_, receiver);
     outbox_.Open(receiver, socket_.fd());
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      translator_->Take(datagrams[i], socket_.Sender(i), socket_.arrived_ns(i), outbox_);
+      translator_->Handle(datagrams[i], socket_.Sender(i), socket_.arrived_ns(i), outbox_);
     }
     translator_->Tick(until_ns, outbox_);
     outbox_.Close();

@@ -117,8 +117,8 @@ std::int64_t UdpSocket::ReadControl(std::size_t i) noexcept {
 }
 
 void UdpSocket::NoteDropped(std::uint32_t total) noexcept {
-  // A datagram carries the total of the time at which it was queued, which may be known already.
-  // The kernel's count wraps.
+  // A datagram carries the total at the time when it was queued, which may be known already. The
+  // kernel's count wraps.
   const auto more = static_cast<std::int32_t>(total - dropped_);
   if (more <= 0) return;
   dropped_ = total;

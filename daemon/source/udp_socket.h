@@ -25,7 +25,7 @@ class UdpSocket {
   UdpSocket(Descriptor socket, int source, runtime::Clock& clock, runtime::Counters& counters,
             int sender_limit_hz);
 
-  // Receives what has arrived, up to kBatch datagrams; never blocks. Datagrams over the limit are
+  // Receives the waiting datagrams, up to kBatch; never blocks. Datagrams over the limit are
   // counted and left out. The bytes are valid until the next call.
   std::span<const std::span<const std::byte>> Receive();
   // Passes every datagram of the last batch to `receiver`.OnArrival, as source number `source`.
@@ -35,17 +35,17 @@ class UdpSocket {
   // The sender of datagram `i` of the last batch.
   Peer Sender(std::size_t i) const noexcept;
   // The time of arrival on the clock's Now_ns(), by the kernel's timestamp: datagrams that waited
-  // while the loop was held up keep their distances in time. Never goes back.
+  // while the loop was delayed keep their distances in time. Never goes back.
   std::int64_t arrived_ns(std::size_t i) const noexcept { return arrived_ns_[i]; }
   std::span<const std::int64_t> arrivals_ns() const noexcept {
     return {arrived_ns_.data(), batch_};
   }
-  // The time up to which everything that arrived has been handed out. While more waits in the
-  // socket it is that of the last datagram: what comes after a silence must not be taken for the
-  // silence.
+  // The time up to which all data that arrived has been passed on. While more datagrams wait in the
+  // socket, it is the arrival time of the last one passed on: an unread datagram must not be
+  // mistaken for silence.
   std::int64_t read_until_ns() const noexcept { return read_until_ns_; }
-  // Counts what the kernel has dropped since it was last known: datagrams tell it only with the
-  // next one that arrives. One system call.
+  // Counts the datagrams that the kernel has dropped since the last count; otherwise the count
+  // would only be known with the next datagram that arrives. One system call.
   void ReadDrops() noexcept;
   std::uint64_t kernel_dropped() const noexcept { return kernel_dropped_; }
 
@@ -58,7 +58,7 @@ class UdpSocket {
   static constexpr std::size_t kSlot = 65536;
   static constexpr std::size_t kControl =
       CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec));
-  // Reads when message `i` arrived, and counts what the kernel dropped before it.
+  // Reads when message `i` arrived, and counts the datagrams that the kernel dropped before it.
   std::int64_t ReadControl(std::size_t i) noexcept;
   void NoteDropped(std::uint32_t total) noexcept;
 
@@ -73,13 +73,13 @@ class UdpSocket {
   std::uint32_t dropped_ = 0;  // the kernel's count, which wraps
   std::uint64_t kernel_dropped_ = 0;
   std::uint64_t received_ = 0;
-  std::size_t batch_ = 0;  // number of datagrams handed out last
+  std::size_t batch_ = 0;  // number of datagrams passed on last
   std::vector<std::byte> buffer_;
   std::array<iovec, kBatch> vectors_{};
   std::array<mmsghdr, kBatch> messages_{};
   std::array<sockaddr_storage, kBatch> senders_{};
   alignas(cmsghdr) std::array<std::array<char, kControl>, kBatch> controls_{};
-  // For each datagram handed out: its index among the messages, its time of arrival, its sender.
+  // For each datagram passed on: its index among the messages, its time of arrival, its sender.
   std::array<std::size_t, kBatch> places_{};
   std::array<std::int64_t, kBatch> arrived_ns_{};
   std::array<Machine, kBatch> machines_{};

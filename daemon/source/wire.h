@@ -83,7 +83,7 @@ inline std::size_t VarintSize(std::size_t value) noexcept {
   return size;
 }
 
-// Writes until something does not fit, then nothing more.
+// Writes until an element does not fit, then nothing more.
 class WireWriter {
  public:
   explicit WireWriter(std::span<std::byte> to) noexcept : to_(to) {}

@@ -64,13 +64,13 @@ class Roles {
   Change OnTime(std::int64_t now_ns, bool ready, bool whole);
   // Somebody wants this daemon to lead. It says that it leads in the next term; what the leader
   // still has to say comes first: it ends with a goodbye. Only while it follows and is ready.
-  void OnWish() { claims_ = true; }
+  void RequestLead() { claims_ = true; }
 
   v1::Role role() const { return role_; }
   std::uint64_t term() const { return term_; }
   // As the other daemon is told.
-  v1::Role said_role() const { return claims_ ? v1::ROLE_LEADING : role_; }
-  std::uint64_t said_term() const { return claims_ ? NextTerm(term_) : term_; }
+  v1::Role advertised_role() const { return claims_ ? v1::ROLE_LEADING : role_; }
+  std::uint64_t advertised_term() const { return claims_ ? NextTerm(term_) : term_; }
   const Peer& peer() const { return peer_; }
   std::uint64_t leader() const { return leader_; }  // whom it follows, while it does
   std::int64_t silence_ns() const { return silence_ns_; }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/text.h"
 
 namespace styled::standby {
@@ -108,7 +109,7 @@ Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config
       publisher_(publisher, clock),
       roles_(daemon, config.first, runtime::Nanoseconds(config.hold_s)),
       epoch_(daemon),
-      setup_said_ns_(clock.Now_ns() - kSetupEvery_ns),
+      setup_sent_ns_(clock.Now_ns() - kSetupEvery_ns),
       reconnected_ns_(clock.Now_ns()),
       next_state_ns_(clock.Now_ns() - kStateEvery_ns * (kStatesAtOnce - 1)) {
   publisher_.Hold();
@@ -119,7 +120,7 @@ void Standby::SetSetup(v1::Setup setup) {
   v1::Setting& hold = *setup_.add_settings();
   hold.set_name("standby.hold_ms");
   hold.set_value(NumberText(config_.hold_s * 1000, 3));
-  setup_said_ns_ = Now_ns() - kSetupEvery_ns;
+  setup_sent_ns_ = Now_ns() - kSetupEvery_ns;
   CompareSetups();
 }
 
@@ -177,44 +178,46 @@ Standby::Change Standby::Note(Change change) {
   return change;
 }
 
-std::string Standby::Read() {
+Status Standby::Read() {
   if (!in_.ParseFromString(bytes_) || bytes_.empty()) {
-    return "it is no entry of a journal: is it a daemon's standby.address?";
+    return Status::Error("it is no entry of a journal: is it a daemon's standby.address?");
   }
   if (in_.version() != kVersion) {
-    return "it is of another version of the journal, " + std::to_string(in_.version()) +
-           ": both daemons must be of one, " + std::to_string(kVersion);
+    return Status::Error("it is of another version of the journal, " +
+                         std::to_string(in_.version()) + ": both daemons must be of one, " +
+                         std::to_string(kVersion));
   }
   if (in_.now_ns() < 0 || in_.now_ns() > kMostTime_ns || in_.wall_ns() < 0 ||
       in_.wall_ns() > kMostTime_ns) {
-    return "its times are impossible";
+    return Status::Error("its times are impossible");
   }
   if (in_.daemon() == daemon_) {
-    return "standby.peer is this daemon itself, expected the other one";
+    return Status::Error("standby.peer is this daemon itself, expected the other one");
   }
   if (in_.daemon() == 0 || in_.number() == 0 || in_.number() > kMostNumber) {
-    return "its sender or number is impossible";
+    return Status::Error("its sender or number is impossible");
   }
   if (in_.role() < v1::ROLE_LOOKING || in_.role() > v1::ROLE_LEAVING) {
-    return "its role is " + std::to_string(in_.role()) + ", which no daemon has";
+    return Status::Error("its role is " + std::to_string(in_.role()) + ", which no daemon has");
   }
   if (in_.term() > Roles::kMostTerm) {
-    return "its term is " + std::to_string(in_.term()) + ", expected at most " +
-           std::to_string(Roles::kMostTerm);
+    return Status::Error("its term is " + std::to_string(in_.term()) + ", expected at most " +
+                         std::to_string(Roles::kMostTerm));
   }
   const v1::Beginning& beginning = in_.beginning();
   for (const int listed :
        {beginning.styles_size(), beginning.places_size(), beginning.retired_size(),
         beginning.fading_size(), in_.settings().performers_size()}) {
     if (listed > kMostListed) {
-      return "it lists " + std::to_string(listed) + " styles or performers, expected at most " +
-             std::to_string(kMostListed);
+      return Status::Error("it lists " + std::to_string(listed) +
+                           " styles or performers, expected at most " +
+                           std::to_string(kMostListed));
     }
   }
   if (in_.hold_ns() < kLeastHold_ns || in_.hold_ns() > kMostHold_ns) {
-    return "its hold_ms is impossible";
+    return Status::Error("its hold_ms is impossible");
   }
-  return "";
+  return Status::Ok();
 }
 
 // It may come from whoever has the peer's address now, so nothing here depends on it.
@@ -247,8 +250,8 @@ void Standby::MeasureClock(std::int64_t now_ns) {
 bool Standby::Next(Step& step) {
   step = Step();
   if (!channel_->Receive(bytes_)) return false;
-  if (std::string why = Read(); !why.empty()) {
-    Refuse(std::move(why));
+  if (const Status status = Read(); !status.ok()) {
+    Refuse(status.message());
     return true;
   }
   const std::int64_t now_ns = Now_ns();
@@ -289,7 +292,7 @@ Standby::Change Standby::OnTime() {
   const std::int64_t now_ns = Now_ns();
   const bool was_ready = ready();
   const Change change = Note(roles_.OnTime(now_ns, was_ready, whole()));
-  if (change != Change::kNone || now_ns - said_ns_ >= beat_ns_) {
+  if (change != Change::kNone || now_ns - sent_ns_ >= beat_ns_) {
     (void)NewEntry();
     Send(now_ns, clock_.base().Wall_ns());
   }
@@ -304,13 +307,16 @@ Standby::Change Standby::OnTime() {
   return change;
 }
 
-std::string Standby::Wish() {
-  if (leads()) return "";
-  if (!ready()) return "this daemon would not go on as the leader does: " + WhyNot();
-  roles_.OnWish();
+Status Standby::RequestLead() {
+  if (leads()) return Status::Ok();
+  if (!ready()) {
+    return pipeline::Refused(v1::CODE_NOT_READY,
+                             "lead: this daemon would not go on as the leader does: " + WhyNot());
+  }
+  roles_.RequestLead();
   (void)NewEntry();
   Send(Now_ns(), clock_.base().Wall_ns());
-  return "";
+  return Status::Ok();
 }
 
 void Standby::Leave() {
@@ -326,7 +332,7 @@ bool Standby::wanted() const { return leads() && listens_ && Now_ns() - listened
 
 v1::Journal& Standby::NewEntry() {
   out_.Clear();
-  out_.set_role(roles_.said_role());
+  out_.set_role(roles_.advertised_role());
   return out_;
 }
 
@@ -335,7 +341,7 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   out_.set_version(kVersion);
   out_.set_daemon(daemon_);
   out_.set_epoch(epoch_);
-  out_.set_term(roles_.said_term());
+  out_.set_term(roles_.advertised_term());
   out_.set_first(config_.first);
   out_.set_number(++number_);
   out_.set_now_ns(now_ns);
@@ -343,9 +349,9 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
   out_.set_hears(heard_ && sent_ns - heard_ns_ < kHeard_ns ? heard_daemon_ : 0);
   out_.set_hold_ns(static_cast<std::uint64_t>(roles_.hold_ns()));
   if (out_.has_beginning()) too_large_.clear();
-  if (out_.has_beginning() || sent_ns - setup_said_ns_ >= kSetupEvery_ns) {
+  if (out_.has_beginning() || sent_ns - setup_sent_ns_ >= kSetupEvery_ns) {
     *out_.mutable_setup() = setup_;
-    setup_said_ns_ = sent_ns;
+    setup_sent_ns_ = sent_ns;
   }
   out_.SerializeToString(&bytes_);  // which measures it
   if (bytes_.size() > channel_->max_bytes()) {
@@ -353,7 +359,7 @@ void Standby::Send(std::int64_t now_ns, std::int64_t wall_ns) {
     out_.SerializeToString(&bytes_);
   }
   channel_->Send(std::as_bytes(std::span(bytes_)));
-  said_ns_ = sent_ns;
+  sent_ns_ = sent_ns;
 }
 
 void Standby::NameTooLarge(std::size_t bytes) {
@@ -373,7 +379,7 @@ int Standby::DoSubscriptions() {
     if (next == Channel::Subscription::kEnded) continue;
     // It listens, although what it says may not come yet. Who has not listened before has not heard
     // the setup.
-    if (!listens_ || now_ns - listened_ns_ >= kHeard_ns) setup_said_ns_ = now_ns - kSetupEvery_ns;
+    if (!listens_ || now_ns - listened_ns_ >= kHeard_ns) setup_sent_ns_ = now_ns - kSetupEvery_ns;
     listened_ns_ = now_ns;
     listens_ = true;
     ++asked_count_;
@@ -460,11 +466,11 @@ void Standby::Failed(std::string why) {
   if (Now_ns() - asked_ns_ >= kAgain_ns) Refetch();
 }
 
-void Standby::Compared(Comparison comparison) {
+void Standby::Compared(log::Comparison comparison) {
   if (sync_ != Sync::kReady || gap_) return;
-  const bool apart = comparison == Comparison::kApart;
+  const bool apart = comparison == log::Comparison::kApart;
   ++compared_;
-  different_ += comparison == Comparison::kSame ? 0 : 1;
+  different_ += comparison == log::Comparison::kSame ? 0 : 1;
   apart_ += apart ? 1 : 0;
   apart_of_last_[compared_at_] = apart;
   compared_at_ = (compared_at_ + 1) % kWindow;

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/log/entry.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/clock.h"
+#include "daemon/standby/buffered_publisher.h"
 #include "daemon/standby/channel.h"
-#include "daemon/standby/entry.h"
-#include "daemon/standby/held_publisher.h"
-#include "daemon/standby/hold_back.h"
+#include "daemon/standby/input_buffer.h"
 #include "daemon/standby/roles.h"
 #include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/journal.pb.h"
@@ -62,8 +62,8 @@ class Standby {
 
   // For the pipeline, in place of the daemon's own.
   FollowClock& clock() { return clock_; }
-  HeldPublisher& publisher() { return publisher_; }
-  HoldBack& held() { return held_; }
+  BufferedPublisher& publisher() { return publisher_; }
+  InputBuffer& input() { return input_; }
   bool leads() const { return roles_.role() == v1::ROLE_LEADING; }
 
   // Reads the other daemon's next message; false when there is none. `entry` is what the follower
@@ -77,10 +77,10 @@ class Standby {
   bool Next(Step& step);
   // Call once a turn, after Next: what silence decides. Says that this daemon is alive.
   Change OnTime();
-  std::int64_t NextDeadline_ns() const { return said_ns_ + beat_ns_; }
+  std::int64_t NextDeadline_ns() const { return sent_ns_ + beat_ns_; }
   // Somebody wants this daemon to lead. Returns why it cannot, or "": it does so as soon as the
   // leader has said goodbye, or is silent.
-  std::string Wish();
+  Status RequestLead();
   // Tells the other one that this daemon stops, so that it need not wait.
   void Leave();
 
@@ -122,7 +122,7 @@ class Standby {
   void Refetch();
   // How a frame was styled: the whole state is fetched again where poses are apart, at most every
   // 10 s. Counts only while the standby has everything.
-  void Compared(Comparison comparison);
+  void Compared(log::Comparison comparison);
   // The last frames that the leader handled, by performer id.
   std::unordered_map<std::string, LastHandled> last;
   // Ids of performers whose settings the leader keeps.
@@ -145,7 +145,7 @@ class Standby {
 
   Change Note(Change change);
   // Reads the message in bytes_ into in_. Returns why it is none of the other daemon, or "".
-  std::string Read();
+  Status Read();
   void Refuse(std::string why);
   void NotePair(const Peer& peer, std::int64_t now_ns);
   void MeasureClock(std::int64_t now_ns);
@@ -160,17 +160,17 @@ class Standby {
   const std::int64_t beat_ns_;  // between signs of life
   std::unique_ptr<Channel> channel_;
   FollowClock clock_;
-  HeldPublisher publisher_;
-  HoldBack held_;
+  BufferedPublisher publisher_;
+  InputBuffer input_;
   Roles roles_;
 
   std::uint64_t epoch_;
   std::uint64_t number_ = 0;  // of the last message that was sent
-  std::int64_t said_ns_ = 0;
+  std::int64_t sent_ns_ = 0;
   v1::Journal out_, in_;
   std::string bytes_;
   v1::Setup setup_, peer_setup_;
-  std::int64_t setup_said_ns_;
+  std::int64_t setup_sent_ns_;
   bool peer_setup_known_ = false;
   std::vector<std::string> differs_;
   std::string too_large_;

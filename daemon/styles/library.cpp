@@ -42,8 +42,8 @@ std::vector<std::filesystem::path> FilesOf(RuntimeConfig& config) {
   return files;
 }
 
-// Takes the style of a file over, unless it is there already as it is in the file.
-Status Take(const std::filesystem::path& file, RuntimeConfig& config) {
+// Adds the style of a file, unless the configuration already has it as it is in the file.
+Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
   const auto text = ReadFile(file, kMaxStyleFileBytes);
   if (!text.ok()) return text.status();
   auto style = ParseStyleFile(text.value(), file, config);
@@ -55,8 +55,8 @@ Status Take(const std::filesystem::path& file, RuntimeConfig& config) {
   }
   const auto known = config.made.find(name);
   const bool same = known != config.made.end() && known->second->file_hash == HashOf(text.value());
-  const Refusal refusal = same ? Refusal() : PutStyle(std::move(style.value()), config);
-  if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.reason);
+  const Status refusal = same ? Status::Ok() : PutStyle(std::move(style.value()), config);
+  if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.message());
   config.kept.insert(name);
   return Status::Ok();
 }
@@ -66,15 +66,15 @@ Status Removed(const std::string& file) {
   return Status::Error(file + ": cannot be removed: " + std::strerror(errno));
 }
 
-// Whether the kept example of a name is that of the style.
+// Whether the kept example of a name belongs to the style.
 bool HasExample(const RuntimeConfig& config, const std::string& name, const MadeStyle& style) {
   const auto text = ReadFile(FileOf(config, name, kExample), kMaxExampleBytes);
   return text.ok() && !style.example.empty() && HashOfExample(text.value()) == style.example;
 }
 
-// Writes NAME.json, and notes in config.made what it holds.
+// Writes NAME.json, and records its content in config.made.
 Status WriteStyle(const std::string& name, RuntimeConfig& config) {
-  std::error_code error;  // the write says what is wrong
+  std::error_code error;  // the write reports the error
   std::filesystem::create_directories(config.style.library, error);
   MadeStyle style = *config.made.at(name);
   const std::string text = FormatStyleFile(style, config);
@@ -104,8 +104,8 @@ void ReadLibrary(RuntimeConfig& config) {
     }
   }
   for (const std::filesystem::path& file : files) {
-    const Status taken = Take(file, config);
-    if (!taken.ok()) config.complaints.push_back("style.library: " + taken.message());
+    const Status added = AddFromFile(file, config);
+    if (!added.ok()) config.complaints.push_back("style.library: " + added.message());
   }
 }
 
@@ -124,7 +124,8 @@ std::string ExampleText(const std::vector<body::Pose>& poses, double rate_hz,
     }
     std::string text = clip::FormatBvh(clip);
     if (text.size() <= most_bytes || rate_hz < static_cast<double>(every + 1)) return text;
-    every = std::max(every, every * text.size() / most_bytes);  // nearly the one that fits
+    every = std::max(every, every * text.size() / most_bytes);  // the rate is nearly the one that
+                                                                // fits
     every = std::min(every, static_cast<std::size_t>(rate_hz) - 1);
   }
 }
@@ -132,7 +133,7 @@ std::string ExampleText(const std::vector<body::Pose>& poses, double rate_hz,
 Status KeepStyle(const std::string& name, const std::string& example, RuntimeConfig& config) {
   if (config.style.library.empty()) return Status::Ok();
   if (const Status written = WriteStyle(name, config); !written.ok()) return written;
-  // A style that was replaced may have had its name in other letters.
+  // The replaced style's name may have differed in case.
   for (const std::string& other : std::vector(config.kept.begin(), config.kept.end())) {
     if (config.made.contains(other)) continue;
     (void)KeepRemoved(other, config);
@@ -147,7 +148,7 @@ Status KeepRenamed(const std::string& name, const std::string& to, RuntimeConfig
   if (const Status written = WriteStyle(to, config); !written.ok()) return written;
   const std::string before = FileOf(config, name, kExample), after = FileOf(config, to, kExample);
   const bool moved = std::rename(before.c_str(), after.c_str()) == 0;
-  if (!moved) (void)Removed(after);  // of a style that is no more
+  if (!moved) (void)Removed(after);  // belonged to a removed style
   const Status removed = Removed(FileOf(config, name, kStyle));
   if (!removed.ok()) {
     (void)Removed(FileOf(config, to, kStyle));

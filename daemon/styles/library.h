@@ -8,31 +8,31 @@
 #include "model/base/status.h"
 #include "model/body/pose.h"
 
-// The folder [style] library: a file NAME.json (style_file.h) for each style that was made, so that
-// it survives a restart, and NAME.bvh, its example as the canonical humanoid in metres, so that it
-// can be refined later. A style of a code or of a variation has no example. Each file is replaced
-// atomically; NAME.bvh belongs to NAME.json if the latter has its hash. Blocks; allocates; not the
-// pipeline's thread. Errors name the file and the system's reason. Without a library nothing is
-// done. Pinned by tests/e2e/style_library_test.cpp.
+// The folder [style] library. It has a file NAME.json (style_file.h) for each style that was made,
+// so that the style survives a restart, and NAME.bvh, its example as the canonical humanoid in
+// metres, so that the style can be refined later. A style made from a code or a variation has no
+// example. Each file is replaced atomically; NAME.bvh belongs to NAME.json if the latter has its
+// hash. Blocks; allocates; not the pipeline's thread. Errors name the file and the system's reason.
+// Without a library the functions do nothing. Pinned by tests/e2e/style_library_test.cpp.
 namespace styled::pipeline {
 
-// Makes the styles of `config` those of its folder: adds what is new or another there, in the order
-// of names, and retires what came from there and is gone. What cannot be used is left out, with a
-// line in config.complaints that names the file and what was expected. Start-up and reload.
+// Synchronizes the styles of `config` with the folder: adds new and changed ones in the order of
+// names, and retires those whose file is gone. A file that cannot be used is left out, with a line
+// in config.complaints that names it and what was expected. Start-up and reload.
 void ReadLibrary(RuntimeConfig& config);
 
 // An example as the text of its NAME.bvh: poses at `rate_hz`, of the canonical humanoid in metres;
-// "" without poses. At most `most_bytes`, of which 64 KiB are always enough: every second, third
-// ... pose is kept until it fits, at 1 Hz or more. A minute of few keys, a small file, would
-// otherwise be kept as two megabytes.
+// "" without poses. At most `most_bytes`, of which 64 KiB are always enough: only every second,
+// third, ... pose is kept until the text fits, at 1 Hz or more. Without this limit a small file, a
+// minute with few keys, would be kept as two megabytes.
 std::string ExampleText(const std::vector<body::Pose>& poses, double rate_hz,
                         std::size_t most_bytes);
 
-// Keeps the style `name` of config.made. `example`: the text of its NAME.bvh; "": one that is there
-// stays if it is the style's.
+// Stores the style `name` of config.made. `example`: the text of its NAME.bvh; "": an existing file
+// stays if it belongs to the style.
 Status KeepStyle(const std::string& name, const std::string& example, RuntimeConfig& config);
-// Keeps the style `to` of config.made, which was called `name`. After an error the folder is as it
-// was.
+// Renames the stored style `name` to `to`, a style of config.made. After an error the folder is as
+// it was.
 Status KeepRenamed(const std::string& name, const std::string& to, RuntimeConfig& config);
 // Removes the files of a style.
 Status KeepRemoved(const std::string& name, RuntimeConfig& config);

@@ -48,7 +48,7 @@ Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::
   return Bound(std::move(clip), bound, name, limits.work);
 }
 
-// What a clip is that is neither; "" unknown.
+// Names the format of a clip that is neither; "" if unknown.
 std::string_view OtherFormat(std::string_view bytes) {
   if (bytes.starts_with("Kaydara FBX")) return "FBX";
   if (bytes.starts_with("{")) return "glTF as text";
@@ -57,8 +57,8 @@ std::string_view OtherFormat(std::string_view bytes) {
 }
 
 // The clip's poses at the network's rate.
-Refusal ReadClip(const v1::Like& like, const net::Model& model, const net::StyleSpace& space,
-                 const WorkLimit& work, std::vector<body::Pose>& poses, float& seconds) {
+Status ReadClip(const v1::Like& like, const net::Model& model, const net::StyleSpace& space,
+                const WorkLimit& work, std::vector<body::Pose>& poses, float& seconds) {
   const std::string name = like.file().empty() ? "the clip" : Printable(like.file(), kMaxSource);
   const std::string rig = like.rig().empty() ? "auto" : like.rig();
   if (const std::string_view other = OtherFormat(like.clip()); !other.empty()) {
@@ -80,17 +80,18 @@ Refusal ReadClip(const v1::Like& like, const net::Model& model, const net::Style
                      std::to_string(space.least_frames()));
   }
   seconds = static_cast<float>(length_s);
-  return {};
+  return Status::Ok();
 }
 
 net::StyleCode CodeOf(const google::protobuf::RepeatedField<float>& numbers) {
   return {numbers.begin(), numbers.end()};
 }
 
-Refusal CheckExample(const v1::Like& like, const net::Stylizer& network) {
+Status CheckExample(const v1::Like& like, const net::Stylizer& network) {
   if (network.space() == nullptr) {
-    return {v1::CODE_NO_EXAMPLES, "the weights of family \"" + network.model().family +
-                                      "\" have no style encoder; expected weights that have one"};
+    return Refused(v1::CODE_NO_EXAMPLES,
+                   "the weights of family \"" + network.model().family +
+                       "\" have no style encoder; expected weights that have one");
   }
   const int examples = static_cast<int>(!like.clip().empty()) +
                        static_cast<int>(like.code_size() > 0) +
@@ -111,8 +112,8 @@ Refusal CheckExample(const v1::Like& like, const net::Stylizer& network) {
   return CheckCode(*network.space(), CodeOf(like.neutral_code()), "neutral_code");
 }
 
-Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
-                      net::StyleRequest& request) {
+Status FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
+                     net::StyleRequest& request) {
   const net::Styles& styles = running.network->model().styles;
   const int style = net::FindStyle(styles, vary.style());
   if (style < 0 || style >= running.own_styles) {
@@ -120,32 +121,33 @@ Refusal FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
     for (int own = 0; own < running.own_styles; ++own) {
       names += " " + styles[static_cast<std::size_t>(own)].name;
     }
-    return {v1::CODE_UNKNOWN_STYLE, "vary: \"" + Printable(vary.style(), 80) +
-                                        "\" is no style of the weights; these are" + names};
+    return Refused(v1::CODE_UNKNOWN_STYLE, "vary: \"" + Printable(vary.style(), 80) +
+                                               "\" is not a style of the weights; these are" +
+                                               names);
   }
   request.amount = vary.has_amount() ? vary.amount() : 1;
   if (!(request.amount >= 0 && request.amount <= net::kMaxStrength)) {
-    return {v1::CODE_OUT_OF_RANGE, "vary: amount: found " + NumberText(request.amount) +
-                                       ", expected 0 to " + NumberText(net::kMaxStrength)};
+    return Refused(v1::CODE_OUT_OF_RANGE, "vary: amount: found " + NumberText(request.amount) +
+                                              ", expected 0 to " + NumberText(net::kMaxStrength));
   }
-  // The same style of the network that has variations; every network has neutral.
+  // The style of the same name in the network that has variations; every network has neutral.
   const int varying = style == 0 ? 0 : net::VaryingStyle(styles, style);
   if (varying < 0) {
-    return {v1::CODE_NO_EXAMPLES, "vary: \"" + styles[static_cast<std::size_t>(style)].name +
-                                      "\": its network has no variations"};
+    return Refused(v1::CODE_NO_EXAMPLES, "vary: \"" + styles[static_cast<std::size_t>(style)].name +
+                                             "\": its network has no variations");
   }
   request.sources = {{.style = varying, .seed = vary.seed()}};
-  return {};
+  return Status::Ok();
 }
 
-// The code, and what it is made of: poses for `example`, seconds in `style`.
-Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
-                 std::span<const body::Pose> take, const WorkLimit& work, MadeStyle& style,
-                 std::vector<body::Pose>& example) {
+// Finds the code and its source: writes the poses to `example`, the length to `style`.
+Status MakeCode(const v1::Like& like, const RuntimeConfig& running,
+                std::span<const body::Pose> take, const WorkLimit& work, MadeStyle& style,
+                std::vector<body::Pose>& example) {
   const net::Model& model = running.network->model();
   const net::StyleSpace& space = *running.network->space();
   net::StyleRequest request;
-  Refusal refusal;
+  Status refusal = Status::Ok();
   example.assign(take.begin(), take.end());
   if (like.code_size() > 0) {
     style.code = CodeOf(like.code());
@@ -166,7 +168,7 @@ Refusal MakeCode(const v1::Like& like, const RuntimeConfig& running,
   return CheckCode(space, style.code, "the difference to neutral_code");
 }
 
-// The style's code and distance as it would be.
+// Computes the code and the distance that the style would have.
 void Measure(const RuntimeConfig& running, MadeStyle& style) {
   const net::StyleSpace& space = *running.network->space();
   style.code = space.Limited(style.code);
@@ -177,47 +179,51 @@ void Measure(const RuntimeConfig& running, MadeStyle& style) {
 
 }  // namespace
 
-void Say(const MadeStyle& style, v1::LikeReply& said) {
-  said.set_name(style.name);
-  said.set_nearest(style.nearest);
-  said.set_distance(style.distance);
-  said.set_seconds(style.seconds);
-  *said.mutable_code() = {style.code.begin(), style.code.end()};
+void Describe(const MadeStyle& style, v1::LikeReply& reply) {
+  reply.set_name(style.name);
+  reply.set_nearest(style.nearest);
+  reply.set_distance(style.distance);
+  reply.set_seconds(style.seconds);
+  *reply.mutable_code() = {style.code.begin(), style.code.end()};
 }
 
-bool CheckLike(const RuntimeConfig& running, const v1::Like& like, v1::Reply& reply) {
-  Place place;
-  return (like.measure() || (CheckNewName(like.name()).Accept("like", reply) &&
-                             FindPlace(running, like.name(), place).Accept("like", reply))) &&
-         CheckExample(like, *running.network).Accept("like", reply);
+Status CheckLike(const RuntimeConfig& running, const v1::Like& like) {
+  if (!like.measure()) {
+    if (const Status status = CheckNewName(like.name()); !status.ok()) return status;
+    Place place;
+    if (const Status status = FindPlace(running, like.name(), place); !status.ok()) return status;
+  }
+  return CheckExample(like, *running.network);
 }
 
-std::shared_ptr<RuntimeConfig> AddStyle(const RuntimeConfig& running, v1::Like& like,
-                                        std::span<const body::Pose> take, v1::Reply& reply,
-                                        std::vector<body::Pose>* example, const WorkLimit& work) {
+Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1::Like& like,
+                                                std::span<const body::Pose> take,
+                                                v1::LikeReply& reply,
+                                                std::vector<body::Pose>* example,
+                                                const WorkLimit& work) {
   MadeStyle style;
   style.name = like.name();
   style.source = Printable(like.file(), kMaxSource);
   style.licence = running.network->model().licence;
   std::vector<body::Pose> poses;
-  if (!CheckLike(running, like, reply) ||
-      !MakeCode(like, running, take, work, style, poses).Accept("like", reply)) {
-    return nullptr;
+  if (Status status = CheckLike(running, like); !status.ok()) return status;
+  if (Status status = MakeCode(like, running, take, work, style, poses); !status.ok()) {
+    return status;
   }
   std::shared_ptr<RuntimeConfig> made;
   if (like.measure()) {
     Measure(running, style);
-    Say(style, *reply.mutable_like());
+    Describe(style, reply);
   } else {
     made = std::make_shared<RuntimeConfig>(running);
-    if (!PutStyle(std::move(style), *made).Accept("like", reply)) return nullptr;
-    Say(*made->made.at(like.name()), *reply.mutable_like());
+    if (Status status = PutStyle(std::move(style), *made); !status.ok()) return status;
+    Describe(*made->made.at(like.name()), reply);
   }
   like.clear_clip();
   like.clear_learn_s();
   like.clear_vary();
   like.clear_neutral_code();
-  *like.mutable_code() = reply.like().code();
+  *like.mutable_code() = reply.code();
   if (example != nullptr) *example = std::move(poses);
   return made;
 }

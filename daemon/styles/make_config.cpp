@@ -12,7 +12,6 @@ namespace {
 Status CheckStyles(const config::Config& config, const net::Styles& styles) {
   for (const auto& preset : config.presets) {
     v1::Look look = InitialLook();
-    std::string why;
     // A preset with a style's name would be ambiguous in style.initial, on consoles and in lists.
     if (const int style = net::FindStyle(styles, preset.name); style >= 0) {
       const auto& proper = styles[static_cast<std::size_t>(style)].name;
@@ -21,23 +20,24 @@ Status CheckStyles(const config::Config& config, const net::Styles& styles) {
                            (proper == preset.name ? "" : " too, an alias of \"" + proper + "\"") +
                            "; expected another");
     }
-    if (!LookUp(preset.name, config.presets, styles, look, why)) {
-      return Status::Error(preset.place + ": presets." + preset.name + ": " + why);
+    const Status status = LookUp(preset.name, config.presets, styles, look);
+    if (!status.ok()) {
+      return Status::Error(preset.place + ": presets." + preset.name + ": " + status.message());
     }
   }
   v1::Look look = InitialLook();
   v1::Look change = config.style.look;
-  std::string why;
-  if (!ProperNames(styles, change, why)) return Status::Error("style.input_style: " + why);
+  Status status = ProperNames(styles, change);
+  if (!status.ok()) return Status::Error("style.input_style: " + status.message());
   if (config.style.initial.empty()) return Status::Ok();
   styled::Apply(change, look);
-  if (LookUp(config.style.initial, config.presets, styles, look, why)) {
-    return Status::Ok();
-  }
-  return Status::Error("style.initial: \"" + config.style.initial + "\" is no preset, and " + why);
+  status = LookUp(config.style.initial, config.presets, styles, look);
+  if (status.ok()) return status;
+  return Status::Error("style.initial: \"" + config.style.initial + "\" is not a preset, and " +
+                       status.message());
 }
 
-// Returns the running output if nothing about it changed, so that performers need not restart.
+// Returns the running output if it is unchanged, so that performers need not restart.
 std::shared_ptr<const RetargetOutput> KeepUnchanged(std::shared_ptr<const RetargetOutput> fresh,
                                                     const RuntimeConfig* running) {
   if (running == nullptr) return fresh;

@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "daemon/styles/style_list.h"
+#include "model/base/crc32c.h"
 #include "model/net/load.h"
 #include "model/net/safetensors.h"
 #include "model/net/several.h"
 #include "model/net/shipped_weights.h"
 #include "model/trial/trial.h"
 #include "proto/recording/writer.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
 namespace {
@@ -20,7 +20,7 @@ constexpr const char* kShippedExamples = "graph";
 
 bool Rounds(const config::Model& model) { return model.precision != config::Model().precision; }
 
-// What is added to the name of a file whose weights are rounded; "": they are not.
+// The suffix of the file name when the weights are rounded; "" when they are not.
 std::string RoundedTo(const config::Model& model, std::span<const std::byte> bytes) {
   return Rounds(model) && net::CanBeRounded(bytes) ? " in " + model.precision : "";
 }
@@ -33,7 +33,7 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
   if (!main.ok()) return main.status();
   files.push_back(main.value());
   if (model.examples == kNone) return files;
-  // Beside other weights only by name: theirs may be another licence.
+  // Other weights are copied only by name, because their licence may differ.
   if (model.examples.empty() && !net::IsShippedDefault(main.value())) return files;
   const auto examples =
       net::FindWeights(model.examples.empty() ? kShippedExamples : model.examples);
@@ -72,17 +72,16 @@ Result<Networks> ReadNetworks(const config::Model& model,
   for (const std::filesystem::path& file : files.value()) {
     auto bytes = net::ReadFile(file);
     if (!bytes.ok()) return bytes.status();
-    tensors.push_back(native::Crc32c(net::TensorBytes(bytes.value())));
-    parts.push_back(native::Crc32c(bytes.value()));
+    tensors.push_back(Crc32c(net::TensorBytes(bytes.value())));
+    parts.push_back(Crc32c(bytes.value()));
     const std::string rounded = RoundedTo(model, bytes.value());
     // Weights that are rounded are others: no checkpoint of one network fits the other.
-    if (!rounded.empty()) parts.push_back(native::Crc32c(std::as_bytes(std::span(rounded))));
+    if (!rounded.empty()) parts.push_back(Crc32c(std::as_bytes(std::span(rounded))));
     any_rounded = any_rounded || !rounded.empty();
     contents.push_back(std::move(bytes.value()));
     networks.names += (networks.names.empty() ? "" : "+") + file.filename().string() + rounded;
   }
-  networks.crc =
-      parts.size() == 1 ? parts.front() : native::Crc32c(std::as_bytes(std::span(parts)));
+  networks.crc = parts.size() == 1 ? parts.front() : Crc32c(std::as_bytes(std::span(parts)));
   if (networks.crc == running_crc) return networks;
   std::vector<net::NamedNetwork> named;
   for (std::size_t i = 0; i < contents.size(); ++i) {
@@ -99,10 +98,10 @@ Result<Networks> ReadNetworks(const config::Model& model,
   }
   if (Rounds(model) && !any_rounded) {
     return Status::Error("model.precision: \"" + model.precision +
-                         "\" rounds weights of the family \"style-erd\" alone, and " +
-                         networks.names + " has none of it");
+                         "\" rounds weights of the family " + net::RoundedFamilyNames() +
+                         " alone, and " + networks.names + " has none of it");
   }
-  // As several.h: the first that has a space.
+  // As in several.h: the first network that has a style encoder.
   const bool first = named.front().network->space() != nullptr;
   networks.examples_hash = HashText(first ? tensors.front() : tensors.back());
   auto network = net::Combine(std::move(named));

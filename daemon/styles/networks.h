@@ -13,32 +13,32 @@
 
 namespace styled::pipeline {
 
-// The weights files that a configuration names: the main one, then that of examples, if there is
-// one. Errors list the places searched.
+// The weights files that a configuration names: the main one, then the one for examples, if there
+// is one. Errors list the places searched.
 Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model& model);
 
-// Their file names and their hashes, as recordings name them: "v2.safetensors+graph.safetensors".
-// Where weights are rounded, both say so: "v2.safetensors in bfloat16".
+// Their file names and hashes, as in recordings: "v2.safetensors+graph.safetensors". If the weights
+// are rounded, both show it: "v2.safetensors in bfloat16".
 struct WeightsLabel {
   std::string names, hashes;
 };
 Result<WeightsLabel> LabelOf(const config::Model& model,
                              const std::vector<std::filesystem::path>& files);
 
-// Their networks as one (model/net/several).
+// The networks of these files, combined into one (model/net/several).
 struct Networks {
   std::shared_ptr<const net::Stylizer> network;
   int own_styles = 0;  // of the files
   std::string names;   // as in WeightsLabel
-  // CRC-32C of the tensors of the file whose network makes styles of examples: these stay what they
-  // are where the file tells something else of its styles.
+  // CRC-32C of the tensors of the file whose network makes styles from examples. Such styles stay
+  // valid when only the file's description of its styles changes.
   std::string examples_hash;
-  std::uint32_t crc = 0;  // of all bytes, and of what they are rounded to
+  std::uint32_t crc = 0;  // hash of all bytes and of the rounding
 };
 
-// Reads and tries them (model/trial). Where weights run whose bytes have the CRC-32C `running_crc`
-// and these have it too, nothing is tried again: `network` is null then, and what is known by it is
-// not set. Blocks and allocates; start-up and reload only. Errors name the file.
+// Reads and tests them (model/trial). If running weights have the CRC-32C `running_crc` and these
+// have it too, the test is skipped: `network` is null then, and the fields derived from it are not
+// set. Blocks and allocates; start-up and reload only. Errors name the file.
 Result<Networks> ReadNetworks(const config::Model& model, std::optional<std::uint32_t> running_crc);
 
 }  // namespace styled::pipeline

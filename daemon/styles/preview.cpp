@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "daemon/looks/refusal.h"
 #include "model/base/text.h"
 #include "model/body/heading.h"
 #include "model/rig/dialects.h"
@@ -17,8 +17,8 @@ namespace styled::pipeline {
 namespace {
 
 constexpr double kRate_hz = 60;   // of the walk
-constexpr double kShown_hz = 15;  // of the preview, about
-constexpr double kSettle_s = 3;   // until walk and style are steady
+constexpr double kShown_hz = 15;  // length of the preview, approximately
+constexpr double kSettle_s = 3;   // time until walk and style are steady
 constexpr double kEnd_s = 8;
 constexpr int kStrides = 2;
 constexpr int kFade = 4;  // frames of the preview
@@ -27,12 +27,12 @@ using Positions = std::array<body::Vec3, body::kJointCount>;
 
 struct Walk {
   std::vector<Positions> frames;   // world, m
-  std::vector<std::size_t> lands;  // frames in which the left foot lands, after kSettle_s
+  std::vector<std::size_t> lands;  // frames in which the left foot touches down, after kSettle_s
 };
 
 Walk MakeWalk(const RuntimeConfig& config, int style) {
   const rig::Skeleton skeleton = synthetic::MakeSkeleton({});
-  auto bound = rig::BindDialect(skeleton, "canonical");  // fits always
+  auto bound = rig::BindDialect(skeleton, "canonical");  // always fits
   stylist::Stylist stylist(config.network,
                            std::make_shared<const rig::Binding>(std::move(bound.value())),
                            config.stylist);
@@ -66,7 +66,7 @@ Walk MakeWalk(const RuntimeConfig& config, int style) {
   return walk;
 }
 
-// The strides on the spot, facing +Z; some frames of the next one behind them.
+// The strides in place, facing +Z, followed by some frames of the next stride.
 std::vector<Positions> OnTheSpot(const Walk& walk, std::size_t begin, double frames, int count) {
   const auto at = [&](double frame) {
     const auto low = std::min(static_cast<std::size_t>(frame), walk.frames.size() - 2);
@@ -120,13 +120,12 @@ v1::PreviewReply Render(const RuntimeConfig& config, int style) {
 
 }  // namespace
 
-void Previews::Make(const RuntimeConfig& config, const std::string& style, v1::Reply& reply) {
+Status Previews::Make(const RuntimeConfig& config, const std::string& style,
+                      v1::PreviewReply& reply) {
   const net::Styles& styles = config.network->model().styles;
   const int number = net::FindStyle(styles, style);
   if (number < 0) {
-    reply.set_code(v1::CODE_UNKNOWN_STYLE);
-    reply.set_reason("preview: no style \"" + Printable(style, 80) + "\"; see list");
-    return;
+    return Refused(v1::CODE_UNKNOWN_STYLE, "no style \"" + Printable(style, 80) + "\"; see list");
   }
   const std::string& name = styles[static_cast<std::size_t>(number)].name;
   const auto made = config.made.find(name);
@@ -134,16 +133,17 @@ void Previews::Make(const RuntimeConfig& config, const std::string& style, v1::R
   const auto known = kept_.find(name);
   if (known != kept_.end() && known->second.weights_crc == config.weights_crc &&
       known->second.style == current) {
-    *reply.mutable_preview() = known->second.preview;
-    return;
+    reply = known->second.preview;
+    return Status::Ok();
   }
-  std::erase_if(kept_, [&config](const auto& kept) {  // of other weights, of styles that are gone
+  std::erase_if(kept_, [&config](const auto& kept) {  // of former weights, or of removed styles
     const auto& [of, what] = kept;
     return what.weights_crc != config.weights_crc ||
            (what.style != nullptr && !config.made.contains(of));
   });
-  *reply.mutable_preview() = Render(config, number);
-  kept_[name] = {config.weights_crc, current, reply.preview()};
+  reply = Render(config, number);
+  kept_[name] = {config.weights_crc, current, reply};
+  return Status::Ok();
 }
 
 }  // namespace styled::pipeline

@@ -6,26 +6,27 @@
 #include <string>
 
 #include "daemon/looks/runtime_config.h"
+#include "model/base/status.h"
 #include "proto/styled/v1/control.pb.h"
 
 namespace styled::pipeline {
 
-// Small moving figures of styles (v1::PreviewReply): two strides of the built-in performer's
-// walk in a style. They loop: the first frames fade over from those behind the last. Each is
-// computed once, in some 30 ms, and kept until its style is another or the weights are. The
-// files thread; allocates. Pinned by tests/e2e/style_library_test.cpp.
+// Small moving figures of styles (v1::PreviewReply): two strides of the built-in performer's walk
+// in a style. They loop: the first frames are blended with those after the last. Each is computed
+// once, in some 30 ms, and kept until the style or the weights change. Files thread; allocates.
+// Pinned by tests/e2e/style_library_test.cpp.
 class Previews {
  public:
-  // Answers for a style by its name or alias. CODE_UNKNOWN_STYLE: there is none.
-  void Make(const RuntimeConfig& config, const std::string& style, v1::Reply& reply);
+  // Answers for a style by its name or alias. CODE_UNKNOWN_STYLE: there is no such style.
+  Status Make(const RuntimeConfig& config, const std::string& style, v1::PreviewReply& reply);
 
  private:
   struct Kept {
     std::uint32_t weights_crc = 0;
-    std::shared_ptr<const MadeStyle> style;  // null: of the weights
+    std::shared_ptr<const MadeStyle> style;  // null: styles of the weights
     v1::PreviewReply preview;
   };
-  std::map<std::string, Kept> kept_;  // by the style's name
+  std::map<std::string, Kept> kept_;  // by style name
 };
 
 }  // namespace styled::pipeline

@@ -16,12 +16,12 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "styled style 1";
-constexpr std::size_t kShownText = 80;        // most bytes of a text that errors quote
-constexpr std::size_t kMaxSourceBytes = 200;  // and of a source that lists show
-constexpr std::size_t kMaxDepth = 16;         // of brackets; the file's own fields need 2
+constexpr std::size_t kShownText = 80;        // the most bytes of a text that errors quote
+constexpr std::size_t kMaxSourceBytes = 200;  // the most bytes of a source that lists show
+constexpr std::size_t kMaxDepth = 16;         // the depth of brackets; the file's own fields need 2
 
-// Reads the known fields as they come, so that others take no memory, however many there are. A
-// field of another type than expected counts as missing. Of two with one key the last one counts.
+// Reads the known fields while parsing, so that unknown ones take no memory, however many there
+// are. A field of an unexpected type counts as missing. If a key occurs twice, the last one counts.
 class Fields final : public json::json_sax_t {
  public:
   std::string format, weights, name, source, example, licence;
@@ -51,10 +51,10 @@ class Fields final : public json::json_sax_t {
     put("licence", licence, kMaxSourceBytes);
     return Other();
   }
-  bool binary(binary_t&) override { return false; }  // never in JSON text
+  bool binary(binary_t&) override { return false; }  // does not occur in JSON text
   bool start_object(std::size_t) override { return Other() && Open(); }
   bool start_array(std::size_t) override {
-    if (InCode()) has_code = false;  // a list in the list
+    if (InCode()) has_code = false;  // a list within the list
     if (depth_ == 1 && key_ == "code") {
       code.clear();
       has_code = true;
@@ -75,7 +75,7 @@ class Fields final : public json::json_sax_t {
 
  private:
   bool InCode() const { return depth_ == 2 && key_ == "code"; }
-  // A key that comes again replaces what it said.
+  // A repeated key replaces the former value.
   void Forget() {
     for (const auto& [key, text] :
          {std::pair{"format", &format}, std::pair{"weights", &weights}, std::pair{"name", &name},
@@ -91,7 +91,7 @@ class Fields final : public json::json_sax_t {
     if (InCode() && has_code) code.push_back(value);
     return depth_ > 0;
   }
-  // A value that is no number.
+  // A value that is not a number.
   bool Other() {
     if (InCode()) has_code = false;
     return true;
@@ -102,11 +102,11 @@ class Fields final : public json::json_sax_t {
     return true;
   }
 
-  std::string key_;  // of the file's object
+  std::string key_;  // the depth of the file's object
   std::size_t depth_ = 0;
 };
 
-// The shortest text of a number that is read as the same float.
+// The shortest text that is read as the same float.
 std::string TextOf(float number) {
   std::array<char, 32> text;
   const auto end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;

@@ -6,25 +6,25 @@
 #include "daemon/looks/runtime_config.h"
 #include "model/base/status.h"
 
-// The file of a style that was made of an example, as the library keeps it and clients exchange it:
-// a JSON object with "format": "styled style 1", "name", "weights" (their hash: the code means
-// something to them alone), "licence" (theirs), "source", "seconds", "nearest", "distance",
-// "example" (hash of the kept example, library.h) and "code". Other keys are allowed and left out
-// when the daemon writes the file: it writes only what it understands, so that no file grows by
-// being kept. Memory and time in proportion to the text. Any thread; allocates. Pinned by
+// The file of a style that was made from an example, as the library keeps it and clients exchange
+// it: a JSON object with "format": "styled style 1", "name", "weights" (their hash, because the
+// code is meaningful only with them), "licence" (theirs), "source", "seconds", "nearest",
+// "distance", "example" (hash of the kept example, library.h) and "code". Unknown keys are
+// accepted, and dropped when the daemon writes the file, so that no file grows by being stored.
+// Memory and time in proportion to the text. Any thread; allocates. Pinned by
 // tests/e2e/style_library_test.cpp, tests/unit/daemon/style_file_test.cpp.
 namespace styled::pipeline {
 
 inline constexpr std::size_t kMaxStyleFileBytes = std::size_t{1} << 20U;
 
-// Reads a style of `config`'s weights. Errors begin with `file`, and name what was expected: at
-// most kMaxStyleFileBytes of JSON, brackets at most 16 deep. Whether the code fits the network is
-// not looked at.
+// Reads a style of `config`'s weights. Errors begin with `file` and name what was expected: at most
+// kMaxStyleFileBytes of JSON, brackets at most 16 deep. Does not check whether the code fits the
+// network.
 Result<MadeStyle> ParseStyleFile(const std::string& text, const std::string& file,
                                  const RuntimeConfig& config);
-// The text of the style's file: at most twice as long as the shortest one with the same code, and
+// The text of the style's file: at most twice as long as the shortest one with the same code, plus
 // 1 KiB. With the longest code of a network, some thousand numbers, that is a tenth of
-// kMaxStyleFileBytes, so that it is read again.
+// kMaxStyleFileBytes, so that the file can be read again.
 std::string FormatStyleFile(const MadeStyle& style, const RuntimeConfig& config);
 
 }  // namespace styled::pipeline

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "daemon/looks/profile.h"
+#include "model/base/crc32c.h"
 #include "model/base/text.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::pipeline {
 namespace {
@@ -29,8 +29,8 @@ bool Names(const v1::Look& look, const net::Styles& styles, int number) {
                      [&is](const v1::StyleWeight& entry) { return is(entry.style()); });
 }
 
-// Words that stand for something else where a style is named, or beside it: all styles or
-// performers, the state without a style, commands of stylectl and of OSC.
+// Reserved words, which have another meaning where a style can be named: all styles or performers,
+// the state without a style, commands of stylectl and of OSC.
 constexpr std::array<std::string_view, 15> kReserved{"all",   "bypass", "clear", "cue",   "each",
                                                      "error", "learn",  "like",  "none",  "panic",
                                                      "pin",   "preset", "reset", "unpin", "vary"};
@@ -43,9 +43,9 @@ bool IsReserved(std::string_view name) {
   });
 }
 
-// Refuses a style that the configuration file names: the daemon would not start with the file
-// again.
-Refusal CheckUnnamed(const RuntimeConfig& config, int number, const std::string& name) {
+// Refuses a style that the configuration file names: the daemon could not start again with that
+// file.
+Status CheckUnnamed(const RuntimeConfig& config, int number, const std::string& name) {
   const net::Styles& styles = config.network->model().styles;
   std::string where;
   for (const config::Preset& preset : config.presets) {
@@ -66,7 +66,7 @@ Refusal CheckUnnamed(const RuntimeConfig& config, int number, const std::string&
 
 }  // namespace
 
-Refusal CheckNewName(const std::string& name) {
+Status CheckNewName(const std::string& name) {
   if (name.starts_with('-')) {
     return Malformed("name \"" + Printable(name, kShownName) +
                      "\": begins with - as an option does; expected a letter, a digit or _ first");
@@ -76,10 +76,10 @@ Refusal CheckNewName(const std::string& name) {
         "name \"" + name +
         "\": is a word of stylectl and OSC with another meaning; expected another name");
   }
-  return {};
+  return Status::Ok();
 }
 
-Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& place) {
+Status FindPlace(const RuntimeConfig& config, const std::string& name, Place& place) {
   if (!config::IsName(name) || name.size() > net::kMaxStyleName) {
     return Malformed("name \"" + Printable(name, kShownName) + "\": expected 1 to " +
                      std::to_string(net::kMaxStyleName) + " of A-Z a-z 0-9 _ -");
@@ -96,22 +96,22 @@ Refusal FindPlace(const RuntimeConfig& config, const std::string& name, Place& p
   }
   const std::size_t others = config.made.size() - (place.replaced < 0 ? 0 : 1);
   if (others >= static_cast<std::size_t>(net::kMaxAdded)) {
-    return {v1::CODE_BUSY, "there are " + std::to_string(net::kMaxAdded) +
-                               " made styles already, the most that there can be"};
+    return Refused(v1::CODE_BUSY, "there are " + std::to_string(net::kMaxAdded) +
+                                      " made styles already, which is the maximum");
   }
   const int count = static_cast<int>(styles.size());
   place.number = count;
   if (count < own + net::kMaxAdded + kSpare) return {};
-  // The retired one that was placed longest ago: it has faded out.
+  // The place retired longest ago: its style has faded out.
   place.number = std::max(config.last_place, own);
   do {
     place.number = place.number + 1 < count ? place.number + 1 : own;
   } while (!styles[static_cast<std::size_t>(place.number)].retired);
-  return {};
+  return Status::Ok();
 }
 
-Refusal FindMade(const RuntimeConfig& config, const std::string& name,
-                 std::shared_ptr<const MadeStyle>& style) {
+Status FindMade(const RuntimeConfig& config, const std::string& name,
+                std::shared_ptr<const MadeStyle>& style) {
   const net::Styles& styles = config.network->model().styles;
   const int number = net::FindStyle(styles, name);
   if (number >= 0) {
@@ -121,7 +121,7 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
       return Malformed("\"" + proper + "\": is a style of the weights, expected one that was made");
     }
     style = found->second;
-    return {};
+    return Status::Ok();
   }
   std::string reason = "no style \"" + Printable(name, kShownName) + "\"; those that were made are";
   std::size_t listed = 0;
@@ -132,23 +132,24 @@ Refusal FindMade(const RuntimeConfig& config, const std::string& name,
   if (config.made.size() > kListedMade) {
     reason += " and " + std::to_string(config.made.size() - kListedMade) + " more";
   }
-  return {v1::CODE_UNKNOWN_STYLE,
-          config.made.empty() ? reason.substr(0, reason.find(';')) + "; none was made" : reason};
+  return Refused(
+      v1::CODE_UNKNOWN_STYLE,
+      config.made.empty() ? reason.substr(0, reason.find(';')) + "; there are none" : reason);
 }
 
-Refusal CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
-                  const std::string& what) {
+Status CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
+                 const std::string& what) {
   if (!space.IsCode(code)) {
     return Malformed(what + ": found " + std::to_string(code.size()) +
                      " numbers, expected as many as these weights' codes have, " +
                      std::to_string(space.MakeCode({.sources = {{.style = 0}}}).size()) +
-                     " or, of an example, more");
+                     " or more for an example");
   }
-  // The distance of a code of huge numbers overflows, and it could not be limited.
+  // A code of huge numbers makes the distance overflow, so that it could not be limited.
   const bool usable =
       std::all_of(code.begin(), code.end(), [](float x) { return std::isfinite(x); }) &&
       std::isfinite(space.Nearest(code).distance);
-  return usable ? Refusal() : Malformed(what + ": expected finite numbers, not huge ones");
+  return usable ? Status::Ok() : Malformed(what + ": expected finite numbers, not huge ones");
 }
 
 void RetireStyle(int number, RuntimeConfig& config) {
@@ -161,11 +162,12 @@ void RetireStyle(int number, RuntimeConfig& config) {
   config.network = config.network->Retired(number);
 }
 
-Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
+Status PutStyle(MadeStyle style, RuntimeConfig& config) {
   const net::StyleSpace* const space = config.network->space();
   if (space == nullptr) {
-    return {v1::CODE_NO_EXAMPLES, "the weights of family \"" + config.network->model().family +
-                                      "\" have no style encoder; expected weights that have one"};
+    return Refused(v1::CODE_NO_EXAMPLES,
+                   "the weights of family \"" + config.network->model().family +
+                       "\" have no style encoder; expected weights that have one");
   }
   Place place;
   if (auto refusal = FindPlace(config, style.name, place); !refusal.ok()) return refusal;
@@ -182,7 +184,7 @@ Refusal PutStyle(MadeStyle style, RuntimeConfig& config) {
   config.last_place = place.number;
   const std::string name = style.name;
   config.made[name] = std::make_shared<const MadeStyle>(std::move(style));
-  return {};
+  return Status::Ok();
 }
 
 Places PlacesOf(const RuntimeConfig& config) {
@@ -207,7 +209,7 @@ bool HasPlaces(const RuntimeConfig& config, const Places& places) {
          });
 }
 
-Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
+Status ArrangeStyles(const Places& places, RuntimeConfig& config) {
   std::shared_ptr<const net::Stylizer> network = config.loaded;
   const net::StyleSpace* const space = network->space();
   if (places.entries.size() > kMostPlaces) {
@@ -227,7 +229,7 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
       const auto fading = places.fading.find(i);
       const bool fades = fading != places.fading.end();
       if (fades) still[number] = fading->second;
-      // Where nobody moves in it any more, any code will do.
+      // A place in which no performer fades any more accepts any code.
       network = network->With(
           number, {.name = name},
           fades ? fading->second->code : space->MakeCode({.sources = {{.style = 0}}}));
@@ -245,16 +247,16 @@ Refusal ArrangeStyles(const Places& places, RuntimeConfig& config) {
   config.network = std::move(network);
   config.retired = std::move(still);
   config.last_place = places.last;
-  return {};
+  return Status::Ok();
 }
 
-Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config) {
+Status RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig& config) {
   const int number = net::FindStyle(config.network->model().styles, style.name);
-  if (to == style.name) return Malformed("name \"" + to + "\": is its name already");
+  if (to == style.name) return Malformed("name \"" + to + "\": is already its name");
   if (auto refusal = CheckNewName(to); !refusal.ok()) return refusal;
   Place place;
   if (auto refusal = FindPlace(config, to, place);
-      !refusal.ok() && refusal.code != v1::CODE_BUSY) {  // no room is needed
+      !refusal.ok() && refusal.code() != v1::CODE_BUSY) {  // no free place is needed
     return refusal;
   }
   if (place.replaced >= 0 && place.replaced != number) {
@@ -266,14 +268,14 @@ Refusal RenameStyle(const MadeStyle& style, const std::string& to, RuntimeConfig
   config.network = config.network->With(number, {.name = to}, style.code);
   config.made.erase(style.name);
   config.made[to] = std::make_shared<const MadeStyle>(std::move(renamed));
-  return {};
+  return Status::Ok();
 }
 
-Refusal RemoveStyle(const MadeStyle& style, RuntimeConfig& config) {
+Status RemoveStyle(const MadeStyle& style, RuntimeConfig& config) {
   const int number = net::FindStyle(config.network->model().styles, style.name);
   if (auto refusal = CheckUnnamed(config, number, style.name); !refusal.ok()) return refusal;
   RetireStyle(number, config);
-  return {};
+  return Status::Ok();
 }
 
 std::string HashText(std::uint32_t crc) {
@@ -283,7 +285,7 @@ std::string HashText(std::uint32_t crc) {
 }
 
 std::string HashOfExample(const std::string& bytes) {
-  return HashText(native::Crc32c(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+  return HashText(Crc32c(std::as_bytes(std::span(bytes.data(), bytes.size()))));
 }
 
 }  // namespace styled::pipeline

@@ -14,26 +14,27 @@
 namespace styled::pipeline {
 namespace {
 
-// What reading an example may take. The longest that is accepted, 7 MB of BVH, took 0.3 s beside
-// four builds; one that takes longer keeps the requests behind it waiting.
+// The time limit for reading an example. The longest accepted one, 7 MB of BVH, took 0.3 s beside
+// four builds. A longer one would delay the requests behind it.
 constexpr std::chrono::milliseconds kLongestRead(2000);
 
-// The most bytes of the example that is kept of a clip; of a take, all of it.
+// The most bytes that are stored of a clip's example. A take is stored completely.
 std::size_t MostKept(const v1::Like& like) {
   constexpr std::size_t kAllowance = std::size_t{64} << 10U;
   return like.clip().empty() ? std::numeric_limits<std::size_t>::max()
                              : 2 * like.clip().size() + kAllowance;
 }
 
-Refusal NotKept(const Status& status) {
-  return {v1::CODE_NOT_KEPT, "style.library: " + status.message() + "; nothing was changed"};
+Status NotKept(const Status& status) {
+  return Refused(v1::CODE_NOT_KEPT, "style.library: " + status.message() + "; nothing was changed");
 }
 
-void Export(const RuntimeConfig& running, const v1::ExportStyle& wanted, v1::Reply& reply) {
+Status Export(const RuntimeConfig& running, const v1::ExportStyle& wanted, v1::StyleFile& file) {
   std::shared_ptr<const MadeStyle> style;
-  if (!FindMade(running, wanted.name(), style).Accept("export", reply)) return;
-  reply.mutable_style_file()->set_name(style->name);
-  reply.mutable_style_file()->set_file(FormatStyleFile(*style, running));
+  if (Status status = FindMade(running, wanted.name(), style); !status.ok()) return status;
+  file.set_name(style->name);
+  file.set_file(FormatStyleFile(*style, running));
+  return Status::Ok();
 }
 
 }  // namespace
@@ -55,51 +56,69 @@ bool IsStyleRequest(const v1::Request& request) {
 
 std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& running,
                                                        Exchange& exchange) {
-  said_.clear();
+  log_line_.clear();
   error_.clear();
   exchange.reply.set_id(exchange.request.id());
+  Outcome outcome = Execute(running, exchange);
+  if (outcome.ok()) return std::move(outcome.value());
+  exchange.reply.clear_preview();
+  exchange.reply.clear_style_file();
+  FillReply(outcome.status(), exchange.reply);
+  return nullptr;
+}
+
+StyleRequests::Outcome StyleRequests::Execute(const RuntimeConfig& running, Exchange& exchange) {
+  const auto named = [](const char* command, Outcome outcome) {
+    return outcome.ok() ? outcome : Outcome(Of(command, outcome.status()));
+  };
+  const auto only = [](const Status& status) {
+    return status.ok() ? Outcome(nullptr) : Outcome(status);
+  };
   if (exchange.places) return Arrange(running, exchange);
-  switch (exchange.request.command_case()) {
+  const v1::Request& request = exchange.request;
+  v1::Reply& reply = exchange.reply;
+  switch (request.command_case()) {
     case v1::Request::kLike:
-      return Make(running, exchange);
+      return named("like", Make(running, exchange));
     case v1::Request::kImportStyle:
-      return Import(running, exchange);
+      return named("import", Import(running, exchange));
     case v1::Request::kRenameStyle:
-      return Rename(running, exchange);
+      return named("rename", Rename(running, exchange));
     case v1::Request::kRemoveStyle:
-      return Remove(running, exchange);
+      return named("remove", Remove(running, exchange));
     case v1::Request::kExportStyle:
-      Export(running, exchange.request.export_style(), exchange.reply);
-      return nullptr;
+      return named("export",
+                   only(Export(running, request.export_style(), *reply.mutable_style_file())));
     default:
-      previews_.Make(running, exchange.request.preview().style(), exchange.reply);
-      return nullptr;
+      return named("preview", only(previews_.Make(running, request.preview().style(),
+                                                  *reply.mutable_preview())));
   }
 }
 
-std::shared_ptr<const RuntimeConfig> StyleRequests::Arrange(const RuntimeConfig& running,
-                                                            Exchange& exchange) {
+StyleRequests::Outcome StyleRequests::Arrange(const RuntimeConfig& running, Exchange& exchange) {
   auto made = std::make_shared<RuntimeConfig>(running);
-  const Refusal refusal = ArrangeStyles(*exchange.places, *made);
-  exchange.reply.set_code(refusal.ok() ? v1::CODE_OK : refusal.code);
-  exchange.reply.set_reason(refusal.reason);
-  return refusal.ok() ? made : nullptr;
+  if (Status status = ArrangeStyles(*exchange.places, *made); !status.ok()) return status;
+  return Outcome(std::move(made));
 }
 
-std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& running,
-                                                         Exchange& exchange) {
+StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchange& exchange) {
   v1::Like& like = *exchange.request.mutable_like();
   if (like.learn_s() != 0 && like.file().empty()) like.set_file(exchange.request.performer());
   const std::size_t most_bytes = MostKept(like);
   std::vector<body::Pose> example;
   const auto limit =
       WorkLimit::Within(kLongestRead, "a clip of at most " + NumberText(kLongestExample_s) + " s");
-  const auto made = AddStyle(running, like, exchange.take, exchange.reply, &example, limit);
-  if (made == nullptr) return nullptr;
-  const v1::LikeReply& reply = exchange.reply.like();
-  said_ = "style " + reply.name() + " made of an example; nearest to " + reply.nearest() + ", at " +
-          NumberText(reply.distance(), 2) + " of the distance of styles";
-  if (made->style.library.empty()) return made;
+  v1::LikeReply& reply = *exchange.reply.mutable_like();
+  const auto added = AddStyle(running, like, exchange.take, reply, &example, limit);
+  if (!added.ok()) {
+    exchange.reply.clear_like();
+    return added.status();
+  }
+  const std::shared_ptr<RuntimeConfig>& made = added.value();
+  if (made == nullptr) return Outcome(nullptr);
+  log_line_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
+              ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
+  if (made->style.library.empty()) return Outcome(made);
   const std::string text =
       ExampleText(example, static_cast<double>(made->network->model().rate_hz), most_bytes);
   MadeStyle style = *made->made.at(reply.name());
@@ -109,82 +128,55 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Make(const RuntimeConfig& ru
   if (!kept.ok()) {
     error_ = "style.library: " + kept.message() + "; the style will not survive a restart";
   }
-  return made;
+  return Outcome(made);
 }
 
-std::shared_ptr<const RuntimeConfig> StyleRequests::Import(const RuntimeConfig& running,
-                                                           Exchange& exchange) {
-  constexpr const char* kCommand = "import";
-  v1::Reply& reply = exchange.reply;
+StyleRequests::Outcome StyleRequests::Import(const RuntimeConfig& running, Exchange& exchange) {
   const v1::ImportStyle& wanted = exchange.request.import_style();
   auto read = ParseStyleFile(wanted.file(), "the file", running);
-  if (!read.ok()) {
-    (void)Malformed(read.status().message()).Accept(kCommand, reply);
-    return nullptr;
-  }
+  if (!read.ok()) return Malformed(read.status().message());
   MadeStyle& style = read.value();
   if (!wanted.name().empty()) style.name = wanted.name();
   const std::string name = style.name;
   Place place;
-  if (!CheckNewName(name).Accept(kCommand, reply) ||
-      !FindPlace(running, name, place).Accept(kCommand, reply)) {
-    return nullptr;
-  }
+  if (Status status = CheckNewName(name); !status.ok()) return status;
+  if (Status status = FindPlace(running, name, place); !status.ok()) return status;
   if (place.replaced >= 0 && !wanted.replace()) {
-    (void)Malformed("name \"" + name +
-                    "\": a style that was made has it; expected another name, or replace")
-        .Accept(kCommand, reply);
-    return nullptr;
+    return Malformed("name \"" + name +
+                     "\": a style that was made has it; expected another name, or replace");
   }
   auto made = std::make_shared<RuntimeConfig>(running);
-  if (!PutStyle(std::move(style), *made).Accept(kCommand, reply)) return nullptr;
-  if (const Status kept = KeepStyle(name, "", *made); !kept.ok()) {
-    (void)NotKept(kept).Accept(kCommand, reply);
-    return nullptr;
-  }
-  Say(*made->made.at(name), *reply.mutable_like());
-  said_ = "style " + name + " imported";
-  return made;
+  if (Status status = PutStyle(std::move(style), *made); !status.ok()) return status;
+  if (const Status kept = KeepStyle(name, "", *made); !kept.ok()) return NotKept(kept);
+  Describe(*made->made.at(name), *exchange.reply.mutable_like());
+  log_line_ = "style " + name + " imported";
+  return Outcome(std::move(made));
 }
 
-std::shared_ptr<const RuntimeConfig> StyleRequests::Rename(const RuntimeConfig& running,
-                                                           Exchange& exchange) {
-  constexpr const char* kCommand = "rename";
-  v1::Reply& reply = exchange.reply;
+StyleRequests::Outcome StyleRequests::Rename(const RuntimeConfig& running, Exchange& exchange) {
   v1::RenameStyle& wanted = *exchange.request.mutable_rename_style();
   std::shared_ptr<const MadeStyle> style;
   auto made = std::make_shared<RuntimeConfig>(running);
-  if (!FindMade(running, wanted.name(), style).Accept(kCommand, reply) ||
-      !RenameStyle(*style, wanted.to(), *made).Accept(kCommand, reply)) {
-    return nullptr;
-  }
+  if (Status status = FindMade(running, wanted.name(), style); !status.ok()) return status;
+  if (Status status = RenameStyle(*style, wanted.to(), *made); !status.ok()) return status;
   if (const Status kept = KeepRenamed(style->name, wanted.to(), *made); !kept.ok()) {
-    (void)NotKept(kept).Accept(kCommand, reply);
-    return nullptr;
+    return NotKept(kept);
   }
-  wanted.set_name(style->name);  // as looks have it
-  said_ = "style " + style->name + " is called " + wanted.to() + " now";
-  return made;
+  wanted.set_name(style->name);  // spelled as in looks
+  log_line_ = "style " + style->name + " is called " + wanted.to() + " now";
+  return Outcome(std::move(made));
 }
 
-std::shared_ptr<const RuntimeConfig> StyleRequests::Remove(const RuntimeConfig& running,
-                                                           Exchange& exchange) {
-  constexpr const char* kCommand = "remove";
-  v1::Reply& reply = exchange.reply;
+StyleRequests::Outcome StyleRequests::Remove(const RuntimeConfig& running, Exchange& exchange) {
   v1::RemoveStyle& wanted = *exchange.request.mutable_remove_style();
   std::shared_ptr<const MadeStyle> style;
   auto made = std::make_shared<RuntimeConfig>(running);
-  if (!FindMade(running, wanted.name(), style).Accept(kCommand, reply) ||
-      !RemoveStyle(*style, *made).Accept(kCommand, reply)) {
-    return nullptr;
-  }
-  if (const Status kept = KeepRemoved(style->name, *made); !kept.ok()) {
-    (void)NotKept(kept).Accept(kCommand, reply);
-    return nullptr;
-  }
+  if (Status status = FindMade(running, wanted.name(), style); !status.ok()) return status;
+  if (Status status = RemoveStyle(*style, *made); !status.ok()) return status;
+  if (const Status kept = KeepRemoved(style->name, *made); !kept.ok()) return NotKept(kept);
   wanted.set_name(style->name);
-  said_ = "style " + style->name + " removed";
-  return made;
+  log_line_ = "style " + style->name + " removed";
+  return Outcome(std::move(made));
 }
 
 }  // namespace styled::pipeline

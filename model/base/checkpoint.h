@@ -9,7 +9,6 @@
 #include <cstring>
 #include <span>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "model/base/realtime.h"
@@ -17,15 +16,15 @@
 namespace styled {
 
 // The state of live objects as bytes: little-endian, in the order of the calls, without padding or
-// names. A class has one member function, Carry(Checkpoint&), which hands over every value that its
+// names. A class has one member function, Carry(Checkpoint&), which passes every value that its
 // future depends on. The same function counts the bytes, writes them and reads them, so that the
-// three cannot disagree. An object that has read a checkpoint goes on exactly as the one that wrote
-// it, bit for bit, if both were made alike (network, skeleton, options): sizes are fixed by that
-// and are checked, not changed.
+// three cannot disagree. An object that has read a checkpoint continues exactly like the one that
+// wrote it, bit for bit, if both were constructed alike (network, skeleton, options). Sizes are
+// fixed by the construction: they are checked, not changed.
 //
-// Reading survives any bytes: what is too short, of another size or outside its bounds makes ok()
-// false, and nothing is read from there on. The object is then in no defined state and must be
-// reset or dropped. Numbers of which any value is harmless may come out as NaN.
+// Reading accepts any bytes. Data that is too short, of another size or out of bounds makes ok()
+// false, and nothing more is read. The object is then in an unspecified state and must be reset or
+// dropped. Numbers of which any value is harmless may come out as NaN.
 //
 // No allocation; one thread at a time. Pinned by tests/unit/base/checkpoint_test.cpp.
 class Checkpoint {
@@ -47,7 +46,7 @@ class Checkpoint {
   bool reads() const { return from_ != nullptr; }
   bool ok() const { return ok_; }
   std::size_t size() const { return size_; }  // bytes so far
-  // Whether all that was given has been read.
+  // Whether all of the given bytes have been read.
   bool complete() const { return ok_ && size_ == room_; }
 
   // Numbers, bool, Eigen's matrices and quaternions, arrays, vectors, bitsets, and objects with a
@@ -70,13 +69,13 @@ class Checkpoint {
     constexpr std::int64_t kMost_ns = std::int64_t{1} << 61;  // 73 years
     Within(value_ns, -kMost_ns, kMost_ns);
   }
-  // What must be the same in writer and reader.
+  // A value that must be the same in writer and reader.
   STYLED_REALTIME void Same(std::uint64_t value) noexcept {
     std::uint64_t theirs = value;
     Bytes(&theirs, sizeof theirs);
     if (theirs != value) Refuse();
   }
-  // Ends reading: a value breaks a rule of its own.
+  // Ends reading: a value violates one of its own rules.
   STYLED_REALTIME void Refuse() noexcept { ok_ = false; }
 
  private:

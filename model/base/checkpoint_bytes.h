@@ -7,8 +7,8 @@
 
 namespace styled {
 
-// The bytes of what `carry` hands over to a Checkpoint, which is called twice: to count, and to
-// write. Allocates.
+// The bytes that `carry` passes to a Checkpoint. `carry` is called twice: to count, and to write.
+// Allocates.
 template <typename Carry>
 std::vector<std::byte> CheckpointBytes(Carry carry) {
   Checkpoint count;

@@ -10,11 +10,11 @@
 
 namespace styled {
 
-// A stream for a terminal: what is written to it may be a daemon's words, or those of whoever
-// answers in its place. Line by line, as Printable makes it, it goes on to `target`, so that none
-// of it moves the cursor, changes colours or the direction of writing. A line is written when it
-// ends, and at each flush. JSON stays JSON: it has no control character below U+0020, and others
-// become \u escapes. One thread.
+// A stream for a terminal, safe for text from a daemon or from another program at its address. Each
+// line passes through Printable on its way to `target`, so that no text can move the cursor, change
+// colours or the direction of writing. A line is written when it ends, and at each flush. JSON
+// remains valid: it has no control character below U+0020, and others become \u escapes. One
+// thread.
 class CleanStream final : public std::ostream {
  public:
   explicit CleanStream(std::ostream& target) : std::ostream(&buffer_), buffer_(target) {}

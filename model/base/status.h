@@ -13,6 +13,12 @@ namespace styled {
 class [[nodiscard]] Status {
  public:
   static Status Ok() { return Status(); }
+  // `code`: for a caller that answers with one, as a control request's reply; 0: none.
+  static Status Error(int code, std::string message) {
+    Status status = Error(std::move(message));
+    status.code_ = code;
+    return status;
+  }
   static Status Error(std::string message) {
     Status status;
     status.message_ = message.empty() ? "unknown error" : std::move(message);
@@ -21,9 +27,11 @@ class [[nodiscard]] Status {
 
   bool ok() const { return message_.empty(); }
   const std::string& message() const { return message_; }
+  int code() const { return code_; }
 
  private:
   std::string message_;
+  int code_ = 0;
 };
 
 // A value, or the Status that explains why there is none. Call `value()` only if `ok()`.

@@ -13,7 +13,7 @@
 // Text for humans: log lines, error messages, replies. Allocates; not for the hot path.
 namespace styled {
 
-// The shortest text that gives back exactly this number: "2", "0.8", "66.667", "100000", "1e+30",
+// The shortest text that is parsed as exactly this number: "2", "0.8", "66.667", "100000", "1e+30",
 // "nan". From 1e-4 to 1e9 without an exponent.
 template <std::floating_point T>
 std::string NumberText(T value) {

@@ -9,15 +9,16 @@
 
 namespace styled {
 
-// The time by which one piece of work, such as reading a client's file, must be done. Long loops
-// look at it now and then and give up, so that no content keeps a thread busy for longer. Without a
-// limit (the default) work takes as long as it takes. Immutable; any thread.
+// The deadline of one piece of work, such as reading a client's file. Long loops check it now and
+// then and give up, so that no content keeps a thread busy for longer. Without a limit (the
+// default) work may take any time. Immutable; any thread.
 class WorkLimit {
  public:
   using Clock = std::chrono::steady_clock;
 
   WorkLimit() = default;
-  // `most` from now on. `expected` ends the message: what would have been done in that time.
+  // The deadline in `most` from now. `expected` ends the message: the content that would have been
+  // read in time.
   static WorkLimit Within(std::chrono::milliseconds most, std::string expected) {
     return {Clock::now() + most, most, std::move(expected)};
   }

@@ -10,8 +10,8 @@ namespace styled::body {
 STYLED_REALTIME float Heading_rad(const WorldPose& world) noexcept;
 
 // Advances a causal one-pole low-pass of the heading by one frame: the share `keep` in [0, 1) of
-// what was is kept (0: unfiltered, as in a first frame). It filters the direction, as cosine and
-// sine, not the angle, which jumps at 180 degrees. Returns the filtered heading, rad.
+// the former value is kept (0: unfiltered, as in a first frame). It filters the direction, as
+// cosine and sine, not the angle, which jumps at 180 degrees. Returns the filtered heading, rad.
 STYLED_REALTIME float FilterHeading(float raw_rad, float keep, float& cosine, float& sine) noexcept;
 
 // The rotation about +Y by `heading_rad`.

@@ -32,7 +32,7 @@ inline constexpr Parts kAllParts = (1U << kPartCount) - 1;
 constexpr Parts Bit(Part part) { return static_cast<Parts>(1U << static_cast<unsigned>(part)); }
 
 // Parses a comma-separated list. Each word is one of kPartNames, "arms", "legs", "upper" (head,
-// torso and arms) or "all". Returns nothing if any word is something else.
+// torso and arms) or "all". Empty if any word is unknown.
 std::optional<Parts> FindParts(std::string_view list);
 // The words that FindParts accepts, for messages.
 inline constexpr std::string_view kPartWords =

@@ -53,7 +53,7 @@ Vec3 LogNear(const Quat& rotation, const Vec3& near) noexcept {
   Vec3 shorter = Log(rotation);
   const float angle = shorter.norm();
   if (angle < 0.5F * kPi) return shorter;
-  // The same rotation the other way round: the same axis, the angle less a full turn.
+  // The same rotation in the other direction: the same axis, the angle minus a full turn.
   const Vec3 longer = shorter * (1.0F - 2.0F * kPi / angle);
   return (longer - near).squaredNorm() < (shorter - near).squaredNorm() ? longer : shorter;
 }

@@ -27,7 +27,7 @@ rig::RigPose RestOf(const rig::Binding& binding) {
   return pose;
 }
 
-Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& given,
+Result<rig::Binding> BindGltf(const std::string& file, const rig::JointNames& given,
                               AvatarSkeleton& avatar) {
   auto read = ReadGltfSkeleton(file, given);
   if (!read.ok()) return read.status();
@@ -44,9 +44,9 @@ Result<rig::Binding> TakeGltf(const std::string& file, const rig::JointNames& gi
   return binding;
 }
 
-Result<rig::Binding> TakeBvh(const std::string& file, const std::string& dialect,
+Result<rig::Binding> BindBvh(const std::string& file, const std::string& dialect,
                              const rig::JointNames& given, AvatarSkeleton& avatar) {
-  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  // a skeleton needs a thousandth of it
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  // far above a skeleton's size
   constexpr const char* kExpected = ", expected an avatar's BVH file";
   const auto opened = InputFile::Open(file, kExpected);
   if (!opened.ok()) return opened.status();
@@ -79,7 +79,7 @@ Result<AvatarSkeleton> ReadAvatar(const std::string& file, const std::string& di
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   AvatarSkeleton avatar;
   auto binding =
-      extension == ".bvh" ? TakeBvh(file, dialect, given, avatar) : TakeGltf(file, given, avatar);
+      extension == ".bvh" ? BindBvh(file, dialect, given, avatar) : BindGltf(file, given, avatar);
   if (!binding.ok()) return binding.status();
   avatar.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
   avatar.rest = RestOf(*avatar.binding);

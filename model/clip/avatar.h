@@ -26,7 +26,7 @@ struct AvatarSkeleton {
   rig::Quat above_rotation = rig::Quat::Identity();
   float above_scale = 1;
 
-  // Joint 0's world position or rotation as the file has it, relative to its parent there.
+  // Joint 0's world position or rotation as stored in the file, relative to its parent there.
   rig::Vec3 RootInFile(const rig::Vec3& position) const {
     return above_rotation.conjugate() * (position - above_translation) / above_scale;
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -39,7 +38,7 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
   const auto refuse = [&file](const std::string& what) {
     return Status::Error(file.string() + ": " + what + kExpected + " with its data inside");
   };
-  if (!bytes.starts_with("glTF")) return refuse("is no glTF binary");
+  if (!bytes.starts_with("glTF")) return refuse("is not a glTF binary");
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return refuse(chunks.status().message());
   Glb glb{ordered_json::parse(chunks.value().text, nullptr, false),

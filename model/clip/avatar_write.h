@@ -15,8 +15,8 @@ namespace styled::clip {
 // tests/witness/gltf the Khronos validator and three.js check what is written.
 class AvatarFile {
  public:
-  // Reads the file that `avatar` was read from. Refuses, with the file's name, what has no meshes
-  // to keep: no glTF binary with all of its data inside.
+  // Reads the file that `avatar` was read from. Refuses a file without meshes, and one that is not
+  // a glTF binary with all of its data inside. Errors begin with the file's name.
   static Result<AvatarFile> Read(const std::filesystem::path& avatar_file,
                                  const AvatarSkeleton& avatar);
 

@@ -21,11 +21,12 @@ using rig::RigPose;
 using rig::Vec3;
 using JointMap = std::array<int, body::kJointCount>;
 
-// Who stands at all stands for longer. A zero pose is made to be straight, a frame only happens to
-// be. A skeleton with fingers has some 60 joints. No measurement on record picked these.
+// A performer who stands stays standing for some time. A zero pose is straight by design, a frame
+// only by chance. A skeleton with fingers has some 60 joints. No measurement on record picked
+// these.
 constexpr double kLookEvery_s = 0.1;
 constexpr float kZeroBonus_deg = 5;
-constexpr std::size_t kNamesShown = 60, kShownName = 64;  // of each name so many bytes
+constexpr std::size_t kNamesShown = 60, kShownName = 64;  // bytes of each name
 
 // World transforms of one pose, in source units and axes.
 struct World {
@@ -48,7 +49,7 @@ Result<Stander> Judge(const rig::Skeleton& skeleton, const JointMap& map, const 
   float worst_deg = 0;
   const auto bound = rig::BindStanding(skeleton, map, pose, false, &worst_deg);
   if (!bound.ok()) {
-    // rig::BindStanding speaks of avatars; here it is a clip.
+    // rig::BindStanding's errors mention avatars; here it is a clip.
     const std::string& why = bound.status().message();
     const std::string_view avatar = "avatar: ";
     return Status::Error(name + ": " + (why.starts_with(avatar) ? why.substr(avatar.size()) : why));
@@ -88,23 +89,23 @@ class Straightest {
       const auto side = [left](int joint) { return left ? joint : body::MirrorJoint(joint); };
       const int thigh = side(body::kLeftUpperLeg), shin = side(body::kLeftLowerLeg);
       const int foot = side(body::kLeftFoot), toes = side(body::kLeftToes);
-      Take(thigh, body::kHips, Best([&](const World& world) {
-             return std::max(Angle_deg(Bone(world, thigh, shin), -up_),
-                             Angle_deg(Bone(world, shin, Has(foot) ? foot : toes), -up_));
-           }),
-           pose);
+      CopyLimb(thigh, body::kHips, Best([&](const World& world) {
+                 return std::max(Angle_deg(Bone(world, thigh, shin), -up_),
+                                 Angle_deg(Bone(world, shin, Has(foot) ? foot : toes), -up_));
+               }),
+               pose);
       off_deg = std::max(off_deg, Straighten(thigh, shin, pose));
       off_deg = std::max(off_deg, Straighten(shin, Has(foot) ? foot : toes, pose));
       const int arm = side(body::kLeftUpperArm), forearm = side(body::kLeftLowerArm);
       const int hand = side(body::kLeftHand), shoulder = side(body::kLeftShoulder);
       // Straight and hanging, or sideways: from there the elbow's axis is known.
-      Take(Has(shoulder) ? shoulder : arm, body::kChest, Best([&](const World& world) {
-             const Vec3 upper = Bone(world, arm, forearm);
-             const Vec3 across = Bone(world, side(body::kRightUpperArm), arm);
-             const float bent = Has(hand) ? Angle_deg(upper, Bone(world, forearm, hand)) : 0;
-             return bent + std::min(Angle_deg(upper, -up_), Angle_deg(upper, across));
-           }),
-           pose);
+      CopyLimb(Has(shoulder) ? shoulder : arm, body::kChest, Best([&](const World& world) {
+                 const Vec3 upper = Bone(world, arm, forearm);
+                 const Vec3 across = Bone(world, side(body::kRightUpperArm), arm);
+                 const float bent = Has(hand) ? Angle_deg(upper, Bone(world, forearm, hand)) : 0;
+                 return bent + std::min(Angle_deg(upper, -up_), Angle_deg(upper, across));
+               }),
+               pose);
       if (Has(foot) && Has(toes)) LayFlat(foot, toes, pose);
     }
     return pose;
@@ -139,8 +140,8 @@ class Straightest {
     return best;
   }
 
-  // Copies the limb that begins at `first`, and what lies between it and `trunk`, from a frame.
-  void Take(int first, int trunk, std::size_t from, RigPose& pose) const {
+  // Copies the limb that begins at `first`, and the joints between it and `trunk`, from a frame.
+  void CopyLimb(int first, int trunk, std::size_t from, RigPose& pose) const {
     const auto& parents = clip_.skeleton.parents;
     const RigPose& frame = clip_.frames[frames_[from]];
     std::vector<bool> limb(parents.size(), false);
@@ -183,14 +184,14 @@ class Straightest {
     return off_deg;
   }
 
-  // The way across the hips, level.
+  // The direction across the hips, level.
   Vec3 Left(const World& world) const {
     const Vec3 left = Bone(world, body::kRightUpperLeg, body::kLeftUpperLeg);
     return left - up_ * left.dot(up_);
   }
 
-  // Turns a foot as it is where it lies flattest: ankle and toes both lowest, against the
-  // heading of the hips there.
+  // Turns a foot as in the frame in which it lies flattest: ankle and toes both lowest, relative to
+  // the heading of the hips there.
   void LayFlat(int foot, int toes, RigPose& pose) const {
     float lowest_ankle = INFINITY, lowest_toes = INFINITY;
     for (const World& world : worlds_) {

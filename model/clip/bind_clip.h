@@ -10,10 +10,10 @@
 
 namespace styled::clip {
 
-// Which pose of a clip tells how its skeleton stands in the T-pose.
+// The pose of a clip from which its skeleton's T-pose is derived.
 struct RestPose {
   enum class Kind {
-    kAuto,      // the dialect's; where none fits, the straighter of the two below
+    kAuto,      // the dialect's; without a dialect, the straighter of the two below
     kZero,      // the file's zero pose: upright, arms anywhere
     kStanding,  // each limb from the frame in which it is straightest
     kTime,      // the frame nearest to time_s
@@ -31,12 +31,13 @@ struct BoundClip {
 };
 
 // Binds a clip whose rest pose need not be a T-pose. With kAuto and dialect "auto" rig::BindDialect
-// decides where it can, so that known dialects are bound as live. Otherwise the T-pose is found
-// from an upright pose with its arms anywhere (rig::BindStanding). Of frames, those every 0.1 s are
-// looked at: a leg is taken where it is straightest, a foot where it lies flattest, an arm where it
-// hangs or points sideways, so that a walk serves, too. `given`: joints named by hand. Errors: a
-// joint that no name maps to (the skeleton's names are listed), a time beyond the clip, no upright
-// pose; none names the file. Allocates; any thread. Pinned by tests/unit/clip/bind_clip_test.cpp.
+// decides if it can, so that known dialects are bound as live. Otherwise the T-pose is found from
+// an upright pose with its arms anywhere (rig::BindStanding). One frame every 0.1 s is considered:
+// a leg is taken from the frame in which it is straightest, a foot where it lies flattest, an arm
+// where it hangs or points sideways, so that a walk is sufficient. `given`: joints named by hand.
+// Errors: a joint that no name maps to (the skeleton's names are listed), a time beyond the clip,
+// no upright pose; none names the file. Allocates; any thread. Pinned by
+// tests/unit/clip/bind_clip_test.cpp.
 Result<BoundClip> BindClip(const Clip& clip, std::string_view dialect = "auto",
                            const RestPose& rest = {}, const rig::JointNames& given = {});
 

@@ -19,8 +19,8 @@ using rig::Vec3;
 
 constexpr int kMaxJoints = rig::kMaxSourceJoints;  // no binding has more
 constexpr std::size_t kMaxName = 256;              // bytes
-// Frames take at most so many bytes for each byte of text, beside a fixed allowance. Of the densest
-// text of rotations, "0 0 0 " per joint, they take 5.
+// Frames take at most this many bytes for each byte of text, in addition to a fixed allowance. For
+// the densest text of rotations, "0 0 0 " per joint, they take 5.
 constexpr std::size_t kFrameBytesPerByte = 6;
 constexpr std::size_t kFramesAllowance = std::size_t{2} << 20;
 constexpr std::uint64_t kRowsPerCheck = 256;  // of the time limit
@@ -60,12 +60,12 @@ class Scanner {
     while (at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '\n')) {
       if (text_[at_++] == '\n') ++line_;
     }
-    return Take();
+    return ReadWord();
   }
   // The next word on this line; empty if there is none.
   std::string_view WordOnLine() {
     while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
-    return at_ < text_.size() && text_[at_] != '\n' ? Take() : std::string_view();
+    return at_ < text_.size() && text_[at_] != '\n' ? ReadWord() : std::string_view();
   }
   // The rest of this line without surrounding blanks, up to a brace, which is not consumed.
   std::string_view RestOfLine() {
@@ -80,7 +80,7 @@ class Scanner {
   }
 
  private:
-  std::string_view Take() {
+  std::string_view ReadWord() {
     const std::size_t begin = at_;
     if (at_ < text_.size() && (text_[at_] == '{' || text_[at_] == '}')) {
       return text_.substr(at_++, 1);
@@ -395,7 +395,7 @@ Result<Clip> ReadBvh(const std::filesystem::path& file) {
 
 namespace {
 
-// Binds a frame, and gives its rotations the signs that continue the pose before it, if any.
+// Binds a frame, and chooses the signs of its rotations that continue the pose before it, if any.
 void BindFrame(const rig::Binding& binding, const rig::RigPose& frame, const body::Pose* before,
                body::Pose& pose) {
   binding.Bind(frame, pose);

@@ -52,8 +52,7 @@ class EulerSolver {
       return {Unwrap(std::atan2(sign_ * m(k, j), m(j, j)), near[0]),
               Unwrap(std::atan2(sign_ * m(i, k), m(i, i)), near[1])};
     }
-    // At the gimbal lock only a + c or a - c is determined; what the matrix still tells of a is
-    // rounding.
+    // At the gimbal lock only a + c or a - c is determined; a itself is only rounding.
     const bool gimbal = std::hypot(m(i, i), m(i, j)) < 1e-6;
     const double a = gimbal ? near[0] : std::atan2(-sign_ * m(j, k), m(k, k));
     const Angles first = Complete(m, a, near);

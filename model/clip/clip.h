@@ -21,14 +21,14 @@ struct Clip {
   rig::Skeleton skeleton;
   double rate_hz = 30.0;
   std::vector<rig::RigPose> frames;
-  // What a BVH file needs to be written back unchanged: per joint its channels in file order
+  // The data by which a BVH file is written back unchanged: per joint its channels in file order
   // ('X','Y','Z' position, 'x','y','z' rotation) and the offsets of its End Sites. Empty:
   // FormatBvh's own channels.
   std::vector<std::string> channels;
   std::vector<std::vector<rig::Vec3>> end_sites;
 };
 
-// What a reader of clips accepts of a client's file.
+// A reader's limits for a client's file.
 struct ReadLimits {
   double longest_s = std::numeric_limits<double>::infinity();
   WorkLimit work;
@@ -46,10 +46,10 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 // degrees, applied in channel order (intrinsic); the resulting rotations are continuous in sign
 // over time. Refuses, besides syntax errors: a second ROOT, no channels, a channel twice in a
 // joint, numbers that are not finite or beyond 1e9, rows that do not match Frames: or CHANNELS, 0
-// frames, more than rig::kMaxSourceJoints joints, a joint's name of more than 256 bytes, and what
-// `limits` do not allow. The frames take at most 6 times the text's bytes and 2 MiB: a file whose
+// frames, more than rig::kMaxSourceJoints joints, a joint's name of more than 256 bytes, and
+// content beyond `limits`. The frames take at most 6 times the text's bytes and 2 MiB: a file whose
 // joints have hardly a channel is refused before they are read. Time in proportion to the text.
-// Never throws on content. Errors: "FILE:LINE: found X, expected Y"; of limits, without the line.
+// Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the line.
 // Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp.
 Result<Clip> ReadBvh(const std::filesystem::path& file);
 Result<Clip> ParseBvh(std::string_view text, const std::string& name,
@@ -71,14 +71,14 @@ Clip Resample(const Clip& clip, double rate_hz);
 
 // The clip with its frames at other times: frame i is at times_s[i], s. Times begin with 0 and rise
 // strictly; there is one per frame. The rate stays, and between frames the interpolant is that of
-// Resample. The first and the last frame are kept: where the last is not on the rate's grid, all
-// times are stretched by less than half a frame in all, so that it is. At least two frames remain
-// of two. Allocates; any thread. Pinned by tests/unit/clip/retime_test.cpp.
+// Resample. The first and the last frame are kept: if the last is not on the rate's grid, all times
+// are stretched by less than half a frame in total, so that it is. At least two frames remain of
+// two. Allocates; any thread. Pinned by tests/unit/clip/retime_test.cpp.
 Clip Retime(const Clip& clip, std::span<const double> times_s);
 
-// The binding of a clip whose rest pose no dialect knows: by the first frame, of those every 0.1 s,
-// that stands upright as rig::BindStanding understands it, arms anywhere. Right only where that
-// frame also looks ahead with its soles flat. Errors are of the first frame.
+// The binding of a clip whose rest pose no dialect knows. It uses the first frame, of those every
+// 0.1 s, that stands upright as rig::BindStanding defines it, arms anywhere. Correct only if that
+// frame also looks ahead with its soles flat. Errors are those of the first frame.
 Result<rig::Binding> BindStanding(const Clip& clip);
 
 // The canonical poses of a clip, continuous in sign over time; and such poses at another rate, by

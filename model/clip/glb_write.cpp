@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -63,7 +62,7 @@ Status Check(const Motion& motion) {
     for (std::size_t j = 0; j < joints; ++j) {
       const float square = frame.rotations[j].squaredNorm();
       if (!frame.translations[j].allFinite() || !std::isfinite(square) || square < 1e-12F) {
-        return Status::Error(name + ", joint " + std::to_string(j) + ": is no pose");
+        return Status::Error(name + ", joint " + std::to_string(j) + ": is not a pose");
       }
     }
     if (motion.times_s.empty()) continue;

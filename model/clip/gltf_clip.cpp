@@ -28,9 +28,9 @@ constexpr double kLongest_s = 60, kLatest_s = 86400;
 constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
 constexpr double kSlowest_hz = 10, kFastest_hz = 240;
 constexpr float kMaxValue = 1e6F;  // of a translation, m
-// The sampled frames take at most so many bytes for each byte of the file, beside a fixed allowance
-// (60 s of 55 joints at 43 Hz). Where they would take more, they are sampled at a lower rate: the
-// file has few keys then.
+// The sampled frames take at most this many bytes for each byte of the file, in addition to a fixed
+// allowance (60 s of 55 joints at 43 Hz). If they would take more, they are sampled at a lower
+// rate, because such a file has few keys.
 constexpr std::size_t kSampledBytesPerByte = 4;
 constexpr std::size_t kSampledAllowance = std::size_t{4} << 20;
 constexpr std::size_t kFramesPerCheck = 64;  // of the time limit
@@ -56,8 +56,8 @@ class Accessors {
   Accessors(const json& file, std::string_view data)
       : file_(file), data_(data), left_(data.size()) {}
 
-  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other; of
-  // SCALAR, times that rise.
+  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other; for
+  // SCALAR, increasing times.
   using Values = std::shared_ptr<const std::vector<float>>;
   Result<Values> Read(int index, const std::string& type) {
     Values& kept = kept_[{index, type}];
@@ -158,7 +158,7 @@ class Accessors {
         return Load<float>(at);
     }
   }
-  // Where the rows of an accessor lie; `size` bytes each.
+  // The position of an accessor's rows; `size` bytes each.
   Result<Rows> View(const json& accessor, std::size_t size, std::size_t count) const {
     const auto number = IndexOf(accessor, "bufferView");
     const json& view = number ? At("bufferViews", *number) : At("bufferViews", 1 << 30);
@@ -193,15 +193,15 @@ class Accessors {
 
 // The keys of one channel.
 struct Track {
-  enum class Way { kLinear, kStep, kCubic };
+  enum class Interpolation { kLinear, kStep, kCubic };
   std::size_t width = 4;  // of a value: 3 or 4
-  Way way = Way::kLinear;
+  Interpolation interpolation = Interpolation::kLinear;
   Accessors::Values times, values;  // cubic: in-tangent, value, out-tangent per key
 
   bool empty() const { return times == nullptr; }
   const std::vector<float>& times_s() const { return *times; }
   const float* Value(std::size_t key) const {
-    return values->data() + width * (way == Way::kCubic ? 3 * key + 1 : key);
+    return values->data() + width * (interpolation == Interpolation::kCubic ? 3 * key + 1 : key);
   }
 };
 
@@ -209,7 +209,7 @@ struct NodeTracks {
   Track rotation, translation;
 };
 
-// The nodes whose motion moves the humanoid: its bones, and what is above its hips.
+// The nodes whose motion moves the humanoid: its bones, and the nodes above its hips.
 class MovingNodes {
  public:
   MovingNodes(const gltf::Nodes& nodes, const gltf::Bones& bones, std::size_t count)
@@ -225,7 +225,7 @@ class MovingNodes {
   const std::vector<int>& above() const { return above_; }  // outermost first
   std::size_t size() const { return static_cast<std::size_t>(size_); }
   std::size_t nodes() const { return places_.size(); }
-  // A node's place among them; -1: none of them.
+  // A node's place among them; -1: not among them.
   int place(int node) const { return places_[static_cast<std::size_t>(node)]; }
   bool is_bone(int node) const { return place(node) >= static_cast<int>(above_.size()); }
 
@@ -246,11 +246,12 @@ Eigen::Vector4f ValueOf(const Track& track, double time_s) {
   const auto next = static_cast<std::size_t>(
       std::upper_bound(times.begin(), times.end(), static_cast<float>(time_s)) - times.begin());
   if (next == 0) return read(track.Value(0));
-  if (next == times.size() || track.way == Track::Way::kStep) return read(track.Value(next - 1));
+  if (next == times.size() || track.interpolation == Track::Interpolation::kStep)
+    return read(track.Value(next - 1));
   const float step_s = times[next] - times[next - 1];
   const float t = (static_cast<float>(time_s) - times[next - 1]) / step_s;
   const Eigen::Vector4f a = read(track.Value(next - 1)), b = read(track.Value(next));
-  if (track.way == Track::Way::kLinear) {
+  if (track.interpolation == Track::Interpolation::kLinear) {
     if (track.width == 3) return a + t * (b - a);
     return Quat(a).normalized().slerp(t, Quat(b).normalized()).coeffs();
   }
@@ -265,9 +266,9 @@ Eigen::Vector4f ValueOf(const Track& track, double time_s) {
 Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& accessors) {
   Track track;
   track.width = width;
-  const json& way = Member(sampler, "interpolation");
-  if (way == "STEP") track.way = Track::Way::kStep;
-  if (way == "CUBICSPLINE") track.way = Track::Way::kCubic;
+  const json& interpolation = Member(sampler, "interpolation");
+  if (interpolation == "STEP") track.interpolation = Track::Interpolation::kStep;
+  if (interpolation == "CUBICSPLINE") track.interpolation = Track::Interpolation::kCubic;
   const auto input = IndexOf(sampler, "input"), output = IndexOf(sampler, "output");
   if (!input || !output) return Status::Error("found a sampler without input or output");
   auto times = accessors.Read(*input, "SCALAR");
@@ -276,7 +277,7 @@ Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& acces
   if (!values.ok()) return values.status();
   track.times = std::move(times.value());
   track.values = std::move(values.value());
-  const std::size_t per_key = width * (track.way == Track::Way::kCubic ? 3 : 1);
+  const std::size_t per_key = width * (track.interpolation == Track::Interpolation::kCubic ? 3 : 1);
   if (track.values->size() != per_key * track.times->size()) {
     return Status::Error("found " + std::to_string(track.times->size()) + " times for " +
                          std::to_string(track.values->size() / per_key) + " values");
@@ -284,7 +285,7 @@ Result<Track> ReadTrack(const json& sampler, std::size_t width, Accessors& acces
   return track;
 }
 
-// The channels of an animation that move the humanoid, by the places of their nodes; none if it
+// The channels of an animation that move the humanoid, by the places of their nodes; empty if it
 // turns no bone. Of two channels of one target the last one counts.
 Result<std::vector<NodeTracks>> ReadTracks(const json& animation, const MovingNodes& moving,
                                            Accessors& accessors) {
@@ -439,7 +440,7 @@ class Sampler {
   std::size_t bytes_;
 };
 
-// The first animation that turns a bone; none: an empty list.
+// The first animation that turns a bone; an empty list if there is none.
 Result<std::vector<NodeTracks>> FindTracks(const json& file, std::string_view data,
                                            const MovingNodes& moving) {
   const json& animations = Member(file, "animations");
@@ -469,7 +470,7 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   if (work.exceeded()) return work.Refusal();
   const auto tracks = FindTracks(file.value(), chunks.value().data, moving);
   if (!tracks.ok()) return tracks.status();
-  // Freed, so that they are not in memory beside the frames.
+  // Freed, so that they are not in memory together with the frames.
   file.value() = json();
   model.value() = gltf::Model();
   const Sampler sampler(nodes.value(), bones.value(), moving, tracks.value(), bytes.size());

@@ -11,7 +11,7 @@
 namespace styled::clip {
 
 // The motion of a glTF file's humanoid, in metres and glTF's axes (+Y up). Joint 0 is the hips, in
-// world space: what moves the nodes above them is in its motion.
+// world space: its motion includes that of the nodes above.
 struct GltfClip {
   Clip clip;
   GltfSkeleton skeleton;  // of the same joints; its stance is the nodes' own pose
@@ -22,23 +22,23 @@ bool IsGltfBinary(std::string_view bytes);
 
 // Reads the first animation of a glTF 2.0 binary (.glb, .vrm, or .vrma: VRMC_vrm_animation) that
 // turns a bone of its humanoid. Bones: VRM's own table, else by name, as ReadGltfSkeleton. The rate
-// is that of the densest channel, in whole Hz, 10 to 240, or lower where the frames would take more
+// is that of the densest channel, in whole Hz, 10 to 240, or lower if the frames would take more
 // than 4 times the file's bytes and 4 MiB; LINEAR, STEP and CUBICSPLINE channels are sampled at it.
 // Rotations as floats or normalized integers; scale and weights channels, and those of other nodes,
-// are ignored. Refuses besides what ReadGltfSkeleton refuses: a file without its data, data outside
-// the file (also "data:" in the text), sparse or broken accessors, more values in its channels than
-// bytes in the file, times that do not rise, numbers that are not finite, no such animation, more
-// than 60 s, more nodes and channels than take 6 times the file's bytes and 4 MiB, what takes
-// longer than limits.work. Time and memory in proportion to the file. Never throws on content.
-// Errors: "NAME: found X, expected Y". Allocates; any thread. Pinned by
+// are ignored. Refuses, in addition to ReadGltfSkeleton's refusals: a file without its data, data
+// outside the file (also "data:" in the text), sparse or broken accessors, more values in its
+// channels than bytes in the file, times that do not rise, numbers that are not finite, no such
+// animation, more than 60 s, more nodes and channels than take 6 times the file's bytes and 4 MiB,
+// and a file that takes longer than limits.work. Time and memory in proportion to the file. Never
+// throws on content. Errors: "NAME: found X, expected Y". Allocates; any thread. Pinned by
 // tests/unit/clip/gltf_clip_test.cpp, hostile_clips_test.cpp; tests/witness/gltf has files that
 // three.js has written.
 Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
                                const ReadLimits& limits = {});
 
-// The binding of such a clip. A VRM's nodes stand in the T-pose by definition. Of others, with
-// "auto" the nodes' pose is the rest pose if it stands upright, else the first frame that does;
-// another dialect is rig::BindDialect's.
+// The binding of such a clip. A VRM's nodes stand in the T-pose by definition. For other files,
+// with "auto" the nodes' pose is the rest pose if it stands upright, else the first frame that
+// does; another dialect is rig::BindDialect's.
 Result<rig::Binding> BindGltf(const GltfClip& clip, std::string_view dialect = "auto");
 
 }  // namespace styled::clip

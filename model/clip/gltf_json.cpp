@@ -13,12 +13,12 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kOnlyTwo =
-    ", expected glTF 2.0: export it anew, or convert it (Blender reads and writes glTF)";
+    ", expected glTF 2.0: export it again, or convert it (Blender reads and writes glTF)";
 // The number of JSON values that are kept. An avatar of 2000 nodes has 40 000.
 constexpr std::size_t kMaxValues = 1 << 20;
 constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 
-// What kept values take, in bytes: of the heap, with what the allocator adds.
+// The memory of kept values in bytes: on the heap, including the allocator's overhead.
 namespace bytes_of {
 constexpr std::size_t kMember = 112;  // a map's node with a short key and its value
 constexpr std::size_t kEntry = 32;    // a value in a list that grows
@@ -122,7 +122,7 @@ class Wanted final : public json::json_sax_t {
     return &open_.back()->back();
   }
 
-  // Whether there is room for so many bytes of a value that is kept.
+  // Whether there is room for this many bytes of a stored value.
   bool Spend(std::size_t bytes) {
     if (skipped_ > 0 || skip_next_) return true;
     if (bytes <= left_) {
@@ -175,7 +175,7 @@ class Wanted final : public json::json_sax_t {
 Status CheckVersion(const json& file) {
   const json& version = Member(Member(file, "asset"), "version");
   if (!version.is_string()) {
-    return Broken("it says no asset.version");
+    return Broken("it has no asset.version");
   }
   const auto& text = version.get_ref<const std::string&>();
   if (text.starts_with("2.")) return Status::Ok();
@@ -205,7 +205,7 @@ std::string Shown(std::string_view text) {
 }
 
 Status Broken(const std::string& found) {
-  return Status::Error("is no glTF 2.0: " + found + ", expected an avatar's .vrm, .glb or .gltf");
+  return Status::Error("is not glTF 2.0: " + found + ", expected an avatar's .vrm, .glb or .gltf");
 }
 
 Status WrongVersion(const std::string& version) {
@@ -224,7 +224,7 @@ Result<Chunks> SplitGlb(std::string_view bytes) {
   if (const auto version = Word(bytes, 4); version != 2) {
     return WrongVersion(std::to_string(version) + " in binary form");
   }
-  if (Word(bytes, kHeader + 4) != kJsonChunk) return Status::Error("its first chunk is no JSON");
+  if (Word(bytes, kHeader + 4) != kJsonChunk) return Status::Error("its first chunk is not JSON");
   const std::size_t text = Word(bytes, kHeader), begin = kHeader + kChunk;
   if (text > bytes.size() - begin) return Status::Error("it ends early");
   if (text > kMaxJson) return Status::Error(kTooMuchJson);

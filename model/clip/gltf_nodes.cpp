@@ -47,7 +47,7 @@ Result<Transform> LocalOf(const Node& node) {
   const Eigen::Vector3d lengths = linear.colwise().norm();
   const double size = lengths.mean();
   if (!affine.matrix().allFinite() || !(size > 1e-9) || !(linear.determinant() > 0)) {
-    return Status::Error("has a transform that is no turn and scale");
+    return Status::Error("has a transform that is not a rotation and scale");
   }
   if ((lengths.array() - size).abs().maxCoeff() > kEven * size) {
     return Status::Error("is stretched unevenly");
@@ -331,7 +331,7 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
 
 Result<Model> ReadModel(json& file) {
   Model model;
-  // Taken out of the file, so that they are not in memory twice.
+  // Moved out of the file, so that they are not in memory twice.
   const auto take = [](json& object, const char* key) {
     json taken;
     if (object.is_object() && object.contains(key)) taken.swap(object[key]);

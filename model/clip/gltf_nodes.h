@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,9 +11,9 @@
 #include "model/base/status.h"
 #include "model/clip/gltf_read.h"
 
-// What the readers of glTF share: the used parts of the JSON, the nodes, the humanoid among them.
-// Included only by gltf_*.cpp. Errors do not name the file. Allocates; any thread. Pinned by
-// tests/unit/clip/gltf_read_test.cpp, gltf_clip_test.cpp.
+// The part that the readers of glTF share: the used parts of the JSON, the nodes, the humanoid
+// among them. Included only by gltf_*.cpp. Errors do not name the file. Allocates; any thread.
+// Pinned by tests/unit/clip/gltf_read_test.cpp, gltf_clip_test.cpp.
 namespace styled::clip::gltf {
 
 using JointMap = std::array<int, body::kJointCount>;
@@ -71,19 +70,19 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
 
 // The value of an object's key; null if there is none.
 const nlohmann::json& Member(const nlohmann::json& object, const char* key);
-// A number of the list of an object's key; empty if it is no index.
+// A number of the list of an object's key; empty if it is not an index.
 std::optional<int> IndexOf(const nlohmann::json& object, const char* key);
 
 // The used parts of the JSON. Refuses text that is not JSON, is nested too deep, has too many
 // values, or another version than glTF 2.
 Result<nlohmann::json> ParseJson(std::string_view text);
-// The same with accessors and animations, of a client's file of `bytes`: what is kept takes at most
-// 6 times as much memory, and 4 MiB, with what ReadModel and Nodes make of it.
+// The same with accessors and animations, for a client's file of `bytes`: the kept values, together
+// with the results of ReadModel and Nodes, take at most 6 times as much memory, and 4 MiB.
 Result<nlohmann::json> ParseMotionJson(std::string_view text, std::size_t bytes);
-// Takes nodes, skins and humanoid out of `file`.
+// Moves nodes, skins and humanoid out of `file`.
 Result<Model> ReadModel(nlohmann::json& file);
 
-// A JSON text is at most as long.
+// The maximum length of a JSON text.
 inline constexpr std::size_t kMaxJson = std::size_t{64} << 20;
 inline constexpr const char* kTooMuchJson = "found more than 64 MiB of JSON, expected less";
 // Binary files (glTF 2.0, 4.4): a header, then chunks, each with a header.
@@ -93,7 +92,7 @@ std::uint32_t Word(std::string_view bytes, std::size_t at);
 
 // Text from a file, made printable for an error message.
 std::string Shown(std::string_view text);
-Status Broken(const std::string& found);  // "is no glTF 2.0: " ...
+Status Broken(const std::string& found);  // "is not glTF 2.0: " ...
 Status WrongVersion(const std::string& version);
 // The two chunks of a .glb file (glTF 2.0, 4.4): its text and its data. Errors do not name a file.
 struct Chunks {

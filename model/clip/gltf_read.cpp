@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "model/clip/gltf_nodes.h"
 #include "model/clip/read_file.h"
@@ -64,7 +63,7 @@ std::string Unescaped(std::string_view uri) {
 
 // Why the uri of a buffer or image of an avatar in `home` is refused; empty if it is accepted. The
 // file is not opened here; the check protects the next program that opens it (a viewer, an
-// exporter) and trusts an avatar that was accepted. A "data:" uri is no file.
+// exporter) and trusts an avatar that was accepted. A "data:" uri is not a file.
 std::string LeadsOut(const std::string& uri, const std::filesystem::path& home) {
   if (uri.starts_with("data:")) return "";
   if (uri.size() > kMaxUriSize) {
@@ -74,7 +73,7 @@ std::string LeadsOut(const std::string& uri, const std::filesystem::path& home) 
   std::replace(text.begin(), text.end(), '\\', '/');
   const std::filesystem::path path(text);
   if (text.find('\0') != std::string::npos || text.find(':') < text.find('/')) {
-    return "is no file beside the avatar";
+    return "is not a file beside the avatar";
   }
   if (path.is_absolute()) return "is an absolute path";
   for (const auto& part : path) {
@@ -91,7 +90,7 @@ std::string LeadsOut(const std::string& uri, const std::filesystem::path& home) 
   const auto kind = std::filesystem::status(real, error).type();
   if (kind != std::filesystem::file_type::regular &&
       kind != std::filesystem::file_type::not_found) {
-    return "is no ordinary file";
+    return "is not an ordinary file";
   }
   return "";
 }
@@ -121,8 +120,8 @@ Status CheckUris(const json& file, const std::filesystem::path& folder) {
   return Status::Ok();
 }
 
-// The JSON text of a .gltf file, or of a .glb or .vrm (glTF 2.0, 4.4: a header, then chunks), of
-// which nothing else is read.
+// The JSON text of a .gltf file, or of a .glb or .vrm (glTF 2.0, 4.4: a header, then chunks);
+// nothing else of the file is read.
 Result<std::string> ReadJsonText(const InputFile& file) {
   using gltf::kChunk, gltf::kHeader, gltf::kJsonChunk, gltf::Word;
   const auto start = file.Read(0, 64);
@@ -140,7 +139,7 @@ Result<std::string> ReadJsonText(const InputFile& file) {
     return gltf::WrongVersion(std::to_string(version) + " in binary form");
   }
   if (head.size() < kHeader + kChunk || Word(head, kHeader + 4) != kJsonChunk) {
-    return Broken("its first chunk is no JSON");
+    return Broken("its first chunk is not JSON");
   }
   const std::size_t length = Word(head, kHeader);
   if (length > kMaxJson) return Status::Error(kTooMuchJson);

@@ -18,10 +18,10 @@ struct ManifestEntry {
   int take = 0;
   double from = 0, to = 1;     // the part of the clip to use, as shares of its duration
   double repeat_s = 0;         // a loop: repeated, its path continued, for at least this long
-  double skip_s = 0;           // what precedes the motion, a T-pose or a way to the first place
-  bool floor_at_feet = false;  // the floor is under the lowest foot, whatever the file says
+  double skip_s = 0;           // skips the beginning: a T-pose, or a walk to the starting place
+  bool floor_at_feet = false;  // the floor is under the lowest foot, whatever the file states
   bool still = true;           // [still] holds for this clip
-  std::string person;          // somebody else than the set's performers; empty: one of these
+  std::string person;          // a person other than the set's performers; empty: one of these
 };
 
 // A dataset, described by a TOML manifest:
@@ -39,8 +39,8 @@ struct ManifestEntry {
 //   skip_s = 0.5         # left out at the beginning of each file; `time` is of the rest
 //   floor = "feet"       # the file has no floor, or not at 0: it is under the lowest foot
 //   still = false        # [still] below does not hold for these
-//   person = "accad-female1" # somebody else: shown to a network as its own performers would be,
-//                        # by what all of this person's clips show of how they stand and walk;
+//   person = "accad-female1" # another person: shown to a network like its own performers,
+//                        # using the carriage from all of this person's clips;
 //                        # {take} in it: another person for each take
 //   repeat_s = 8.0       # loops (the last frame shows the first again), repeated so long
 //   except = ["*/dataset-2_run_*"]   # files that the pattern does not mean
@@ -60,7 +60,7 @@ struct Manifest {
   std::string name, licence;
   std::vector<ManifestStyle> styles;
   std::vector<std::string> contents;
-  // By content: how many labels stand for it, as left and right do. Clips of one label are one act.
+  // By content: how many labels belong to it, as left and right do. Clips of one label are one act.
   std::vector<std::size_t> content_labels;
   std::vector<ManifestEntry> entries;  // sorted by path, then by `from`
   std::string still_content;           // one of contents; empty: standing has no label of its own
@@ -68,8 +68,8 @@ struct Manifest {
 };
 
 // Loads a manifest and finds its files. Errors, a line each, name file, line, key, what was found
-// and what was expected: the first of each part and of each [[clips]]. A pattern without files is
-// one, too. Blocks; allocates; any thread.
+// and what was expected: the first error of each part and of each [[clips]]. A pattern without
+// files is an error, too. Blocks; allocates; any thread.
 Result<Manifest> LoadManifest(const std::filesystem::path& file,
                               const std::filesystem::path& data_folder);
 

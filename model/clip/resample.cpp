@@ -35,7 +35,7 @@ struct Place {
   Eigen::Index index;
   double share;
 };
-// `at` counts frames; what is nearly one of them is that one.
+// `at` counts frames; a value that is nearly a whole frame is rounded to it.
 Place PlaceAt(double at) {
   if (std::abs(at - std::round(at)) < 1e-6) at = std::round(at);
   const double index = std::floor(at);

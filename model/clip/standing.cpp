@@ -8,7 +8,7 @@
 namespace styled::clip {
 namespace {
 
-constexpr double kStandsFor_s = 0.1;  // who stands at all stands for longer
+constexpr double kStandsFor_s = 0.1;  // a performer who stands stays standing for some time
 
 }  // namespace
 

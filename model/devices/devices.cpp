@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "model/devices/limb.h"
 
@@ -21,8 +20,9 @@ constexpr int kLeanRounds = 3;
 // An arm without a device: nearly straight down, the elbow a little bent.
 constexpr float kHang_rad = 1.35F, kElbow_rad = 0.25F;
 
-// The hand's share in where the elbow points, beside 1 of the chest. Real clips, six devices, 0, 1
-// and 2: 13.7, 9.3 and 7.8 degrees mean error of a walk, 18.0, 15.0 and 13.9 of a dance.
+// The hand's influence on the elbow's direction, relative to 1 for the chest. Real clips, six
+// devices, 0, 1 and 2: 13.7, 9.3 and 7.8 degrees mean error of a walk, 18.0, 15.0 and 13.9 of a
+// dance.
 constexpr float kHandTellsElbow = 2;
 
 Quat Turn(float heading) noexcept { return Quat(Eigen::AngleAxisf(heading, Vec3::UnitY())); }
@@ -39,9 +39,9 @@ Devices::Devices(const Options& options) noexcept
   device_m_.fill(Vec3::Zero());
 }
 
-void Devices::Take(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
-                   const Quat& rotation) noexcept {
-  if (rotation.coeffs().allFinite()) trackers_.Take(part, time_ns, rotation);
+void Devices::Add(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
+                  const Quat& rotation) noexcept {
+  if (rotation.coeffs().allFinite()) trackers_.Add(part, time_ns, rotation);
   if (!position_m.allFinite()) return;
   Track& track = tracks_[part];
   if (track.taken > 0 && time_ns < track.newest().time_ns) return;
@@ -53,7 +53,7 @@ bool Devices::IsLive(const Track& track, std::int64_t now_ns) const noexcept {
   return track.taken > 0 && now_ns - track.newest().time_ns <= options_.stale_ns;
 }
 
-// Between the samples on either side; the newest where the next one is late.
+// Between the samples on either side; the newest sample if the next one is late.
 Vec3 Devices::PositionAt(const Track& track, std::int64_t time_ns) noexcept {
   const auto sample = [&track](std::uint32_t i) -> const Track::Sample& {
     return track.samples[i % kSamples];
@@ -104,7 +104,7 @@ void Devices::FindPlaces(std::int64_t now_ns) noexcept {
   }
 }
 
-// Where a part's live device has its joint, by the part's present rotation.
+// The position of a part's joint according to its live device, for the part's present rotation.
 Vec3 Devices::JointAt(int part) const noexcept {
   return device_m_[part] + world_[part] * tracks_[part].joint_from_device;
 }
@@ -162,7 +162,7 @@ void Devices::LeanSpine() noexcept {
   }
 }
 
-// `standing_m`: where the standing foot has the hips.
+// `standing_m`: the place of the hips according to the standing foot.
 void Devices::PlaceHips(const Vec3& standing_m) noexcept {
   hips_measured_ = true;
   if (places_[body::kHips] == State::kLive) {
@@ -175,7 +175,7 @@ void Devices::PlaceHips(const Vec3& standing_m) noexcept {
   } else if (places_[body::kHips] == State::kNone && places_[body::kHead] == State::kNone) {
     hips_m_ = standing_m;
     hips_measured_ = false;
-  }  // else they are lost: held where they were
+  }  // else they are lost: held at their last place
 }
 
 void Devices::PlaceLimb(int index) noexcept {
@@ -199,7 +199,7 @@ void Devices::PlaceLimb(int index) noexcept {
       lost_[part] = lost_[part] || Untracked(part);
     }
   } else if (free && Untracked(limb.end)) {
-    return LetHang(index, root);
+    return HangLimb(index, root);
   } else {
     for (const int part : {limb.upper, limb.lower}) Inherit(part);
   }
@@ -225,7 +225,7 @@ void Devices::ReachFor(int index, const Vec3& root_m) noexcept {
 }
 
 // A limb without any device.
-void Devices::LetHang(int index, const Vec3& root_m) noexcept {
+void Devices::HangLimb(int index, const Vec3& root_m) noexcept {
   const Limb& limb = LimbOf(index);
   Quat& upper = world_[limb.upper];
   Quat& lower = world_[limb.lower];
@@ -251,8 +251,9 @@ void Devices::LetHang(int index, const Vec3& root_m) noexcept {
   world_[limb.end] = ahead;
 }
 
-// Where the knee or the elbow points: a knee ahead, between hips and foot; an elbow where the
-// T-pose has it after the smallest turn of the arm, and where the hand has it.
+// The direction of the knee or the elbow. A knee points ahead, between hips and foot. An elbow
+// points in the T-pose's direction after the smallest turn of the arm, combined with the hand's
+// direction.
 Vec3 Devices::Pole(int index, const Vec3& wish_m) const noexcept {
   const Limb& limb = LimbOf(index);
   const bool turned = !Untracked(limb.end);

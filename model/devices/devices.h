@@ -10,17 +10,16 @@
 
 namespace styled::devices {
 
-// Makes poses of the canonical humanoid from devices that share one space and measure where they
-// are and how they are turned: trackers of a VR system, its display and controllers. At most one
-// per body part. Rotations are those of rig::Trackers, with one heading for all; here positions are
-// added. Fixed memory, no allocation; one thread at a time. Pinned by
-// tests/unit/devices/devices_test.cpp; what it is good for is measured by
-// tests/unit/devices/clip_test.cpp.
+// Makes poses of the canonical humanoid from devices that share one space and measure their own
+// position and rotation: trackers of a VR system, its display and controllers. At most one per body
+// part. Rotations are those of rig::Trackers, with one heading for all; here positions are added.
+// Fixed memory, no allocation; one thread at a time. Pinned by tests/unit/devices/devices_test.cpp;
+// the accuracy is measured by tests/unit/devices/clip_test.cpp.
 //
-//   hips       stand where their device is; without one, where the head's device has them
-//   spine      leans so that the head is where its device is, if neither spine nor chest has one
-//   arms, legs reach for the device of hand or foot by two-bone IK where upper and lower part have
-//              none; where one of both has one, the other points to what follows
+//   hips       are at their device; without one, at the place that follows from the head's device
+//   spine      leans so that the head is at its device, if neither spine nor chest has one
+//   arms, legs reach for the device of hand or foot by two-bone IK if upper and lower part have
+//              none; if one of both has one, the other points to the next joint
 //   nothing    arms without any device hang, legs without any stand on the floor below the hips
 class Devices {
  public:
@@ -32,22 +31,22 @@ class Devices {
 
   explicit Devices(const Options& options) noexcept;
 
-  // Adds a measurement: right-handed axes, +Y up, metres, unit length. What is not measured is NaN:
-  // a device may tell position and rotation one after the other, or one of them alone. All
-  // `time_ns` are on one clock; a sample older than the last one of its part is dropped.
-  STYLED_REALTIME void Take(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
-                            const Quat& rotation) noexcept;
+  // Adds a measurement: right-handed axes, +Y up, metres, unit length. A value that was not
+  // measured is NaN: a device may send position and rotation one after the other, or only one of
+  // them. All `time_ns` are on one clock; a sample older than the last one of its part is dropped.
+  STYLED_REALTIME void Add(body::Joint part, std::int64_t time_ns, const Vec3& position_m,
+                           const Quat& rotation) noexcept;
 
-  // Call while the performer stands in the T-pose: as `stance` says, in the devices' space.
-  // Calibrates every part with a live device, and forgets the calibration of all others. How the
-  // devices are mounted, and by how much they are off their joints, is what is left between them
-  // and a T-pose of the performer's size. Bits as in rig::Trackers::Outcome.
+  // Call while the performer stands in the T-pose described by `stance`, in the devices' space.
+  // Calibrates every part with a live device, and drops the calibration of all others. The mounting
+  // of a device, and its offset from the joint, is the remaining difference from a T-pose of the
+  // performer's size. Bits as in rig::Trackers::Outcome.
   STYLED_REALTIME rig::Trackers::Outcome Reset(std::int64_t now_ns, const Stance& stance) noexcept;
 
   // Computes the pose at `now_ns` - delay, in the devices' space, but with lengths of the canonical
   // humanoid: divided by `scale()`. Returns false, with `pose` unchanged, if no calibrated part has
-  // a live device that measures its rotation. While nothing is calibrated, gives the rest pose if
-  // any such device is live. A part whose device is lost, and those that follow from it, are NaN.
+  // a live device that measures its rotation. While nothing is calibrated, writes the rest pose if
+  // any such device is live. A part whose device is lost, and parts that depend on it, are NaN.
   STYLED_REALTIME bool Solve(std::int64_t now_ns, body::Pose& pose) noexcept;
 
   float scale() const noexcept { return scale_; }
@@ -55,7 +54,7 @@ class Devices {
  private:
   static constexpr std::uint32_t kSamples = 8;
   enum class State : std::uint8_t { kNone, kLive, kLost };
-  // The places of a part's device over time.
+  // The positions of a part's device over time.
   struct Track {
     struct Sample {
       std::int64_t time_ns = 0;
@@ -81,7 +80,7 @@ class Devices {
   void PlaceHips(const Vec3& standing_m) noexcept;
   void PlaceLimb(int limb) noexcept;
   void ReachFor(int limb, const Vec3& root_m) noexcept;
-  void LetHang(int limb, const Vec3& root_m) noexcept;
+  void HangLimb(int limb, const Vec3& root_m) noexcept;
   Vec3 Pole(int limb, const Vec3& wish_m) const noexcept;
   void Finish(body::Pose& pose) noexcept;
 

@@ -40,7 +40,7 @@ LimbTurns Bend(const Limb& limb, const Vec3& root_m, const Vec3& target_m,
   const Vec3 wish = target_m - root_m;
   const float distance = wish.norm();
   const Vec3 along = distance > kTiny ? Vec3(wish / distance) : limb.along;
-  // The legs' knees show it: along -Y, with the knee towards +Z, they bend about +X.
+  // The legs' geometry shows it: along -Y, with the knee towards +Z, they bend about +X.
   const Vec3 hinge = Across(pole, along, along.unitOrthogonal()).cross(along);
   const Quat start = FromAxes(limb.along, limb.hinge, along, hinge);
   const float a = body::Offset(limb.lower).norm();

@@ -13,13 +13,14 @@ constexpr float kPi = std::numbers::pi_v<float>;
 // The eyes above the head's joint and before it, on the canonical humanoid (as VMC's body has it).
 constexpr float kEyesUp_m = 0.06F, kEyesAhead_m = 0.08F;
 constexpr float kFarthest_m = 0.3F;
-// The highest device is on the head from this height on, if nothing is known to be there: above the
-// arms of a T-pose of a performer of 1.5 m, below the eyes of one of 1.35 m.
+// Above this height the highest device is assumed to be on the head, unless another device is known
+// to be there. It is above the arms of a T-pose of a performer of 1.5 m, and below the eyes of one
+// of 1.35 m.
 constexpr float kLeastHead_m = 1.25F;
 // A pair closer than this has no direction worth using.
 constexpr float kLeastPair_m = 0.1F;
 
-// Where a device usually is in the T-pose: part, metres to the performer's left, height.
+// The usual places of devices in the T-pose: part, metres to the performer's left, height.
 struct Usual {
   int part;
   float left_m, up_m;
@@ -65,7 +66,7 @@ float HeadHeight_m(const Seen& head) {
   return world.positions_m[body::kHead].y() + (head.at_joint ? 0 : kEyesUp_m);
 }
 
-// The two devices farthest apart on the floor; both null if there are none apart.
+// The two devices farthest apart on the floor; both null if none are apart.
 std::pair<const Seen*, const Seen*> Widest(std::span<const Seen> devices) {
   std::pair<const Seen*, const Seen*> widest{nullptr, nullptr};
   float most_m = kLeastPair_m;
@@ -141,7 +142,7 @@ Stance FindStance(std::span<const Seen> devices) {
   const Seen* const hips = Find(devices, body::kHips);
   const Seen* const left = Find(devices, body::kLeftHand);
   const Seen* const right = Find(devices, body::kRightHand);
-  stance.faced_by = "nothing: +Z is taken for ahead";
+  stance.faced_by = "nothing: +Z is assumed to be ahead";
   for (const Pair& pair : kPairs) {
     if (pair.left != body::kLeftHand && head != nullptr && head->has_rotation) {
       stance.heading = HeadingOf(head->rotation);

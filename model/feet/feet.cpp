@@ -40,8 +40,8 @@ float Push(float floor_m, float performer_m, float height_m) {
   return SoftExcess(support - height_m, cushion);
 }
 
-// The turn of a knee that is bent by `bend_rad`, so that it does not go beyond straight, or farther
-// beyond than it is. A turn that bends it is kept.
+// The turn of a knee that is bent by `bend_rad`, limited so that the knee does not go beyond
+// straight, or not farther beyond than it is. A turn that bends it is unchanged.
 float KeptForwards(float bend_rad, float turn_rad) {
   const float farthest_rad = std::min(0.0F, bend_rad);
   const auto lacks = [](float above_rad) {
@@ -121,9 +121,9 @@ void Feet::TurnWithPerformer() noexcept {
   last_across_ = now;
 }
 
-// A style's step is longer or shorter than the performer's while its body goes as far: a foot that
-// stands would slide. So its place along the way is scaled, about the hips, by the ratio of the
-// speeds at which the feet that stand go back under them.
+// A style's step may be longer or shorter than the performer's while both bodies move equally far,
+// so that a standing foot would slide. Therefore the foot's place along the path is scaled, about
+// the hips, by the ratio of the speeds at which standing feet move back under them.
 void Feet::FitSteps(float dt_s, const Travel& travel) noexcept {
   const auto ankle_m = [](const Legs& legs, const std::vector<Placed>& placed, int side) -> Vec3 {
     return placed[static_cast<std::size_t>(legs.leg(side).foot)].position_m -
@@ -209,8 +209,8 @@ void Feet::PlaceFoot(int side, float dt_s, float weight, const Travel& travel) n
   const float push_toes = Push(floor_m, in_toes.y(), toes.y() + lift_toes);
   const float push_heel = Push(floor_m + leg.ankle_above_toes_m, in_heel.y(), heel.y() + lift_heel);
   // The push at one end also lifts the other: lifting one end after the other would be a jolt.
-  lift_toes = weight * (lift_toes + std::hypot(push_toes, tuning::kTakenAlong * push_heel));
-  lift_heel = weight * (lift_heel + std::hypot(push_heel, tuning::kTakenAlong * push_toes));
+  lift_toes = weight * (lift_toes + std::hypot(push_toes, tuning::kLiftShared * push_heel));
+  lift_heel = weight * (lift_heel + std::hypot(push_heel, tuning::kLiftShared * push_toes));
   if (!has_toes) lift_toes = lift_heel;
 
   const Vec3 foot = toes - heel;
@@ -225,7 +225,7 @@ void Feet::PlaceFoot(int side, float dt_s, float weight, const Travel& travel) n
   MeasureLeg(side, weight * std::max(c_toes, c_heel));
 }
 
-// What the leg asks of the hips.
+// The height that the leg needs the hips to have.
 void Feet::MeasureLeg(int side, float carries) noexcept {
   const Legs::Leg& leg = legs_.leg(side);
   Leg& state = state_[static_cast<std::size_t>(side)];
@@ -259,11 +259,12 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const
   Leg& state = state_[static_cast<std::size_t>(side)];
   const Vec3& in_heel = input.heel_m;
   const Vec3& in_toes = input.toes_m;
-  // What the style changes about the foot's place, against a performer who travels as it does.
+  // The style's change of the foot's place, compared with a performer who travels like the style.
   const Vec3 ahead = Flat(in_toes - in_[static_cast<std::size_t>(in_legs_.hips())].position_m);
   const Vec3 step_out = travel.longer * travel.along.dot(ahead) * travel.along;
   const Vec3 change = Flat(toes - in_toes) - travel.moved_m - step_out;
-  const float reach_m = options_.reach_m + step_out.norm();  // of which the longer step is no fault
+  const float reach_m = options_.reach_m + step_out.norm();  // the part of it that comes from the
+                                                             // longer step
 
   if (state.frames == 0) {
     state.centre_m = change;
@@ -277,8 +278,8 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const
 
     const Vec3 toe_step = Flat((in_toes - state.last_in_toes_m) - (toes - state.last_toes_m));
     const Vec3 heel_step = Flat((in_heel - state.last_in_heel_m) - (heel - state.last_heel_m));
-    // A style sets its feet down, and takes them up, at other moments. A foot that it swings is
-    // not held, or it would be torn off the floor where it is let go.
+    // A style sets its feet down, and lifts them, at other moments. A foot that it swings is not
+    // held, because it would be torn off the floor at its release.
     const auto stands = [dt_s](CriticallyDamped& filter, const Vec3& step) {
       const float swings =
           SmoothStep(step.norm() / dt_s, tuning::kStandsBelow_mps, tuning::kSwingsAbove_mps);
@@ -298,7 +299,8 @@ void Feet::Lock(int side, float dt_s, const Sole& input, const Vec3& toes, const
       step -= give * std::max(0.0F, step.dot(outwards)) * outwards;
     }
     state.offset_m += step;
-    // A step that is longer or shorter must be where it lands before it lands, or the foot slides.
+    // A step that is longer or shorter must be at its landing place before it lands, or the foot
+    // slides.
     const float scaled = std::min(1.0F, std::abs(travel.longer) / tuning::kStrideScaled);
     const float landing = SmoothStep(travel.along.dot(ahead), 0, tuning::kStrideAhead_m);
     const float return_s = options_.return_s * (1 - (1 - tuning::kStrideReturn) * scaled * landing);
@@ -318,8 +320,8 @@ void Feet::MoveHips(float dt_s, const MutablePoseView& styled) noexcept {
   const Leg& right = state_[1];
   float rise_m = (left.carries * left.rise_m + right.carries * right.rise_m) /
                  std::max(1.0F, left.carries + right.carries);
-  // A step that is made longer would draw the hips down where both feet stand and up between, onto
-  // straight legs. They stay low, and the knees bent, as the style has them.
+  // A longer step would lower the hips while both feet stand and raise them in between, onto
+  // straight legs. Instead the hips stay low, and the knees bent, as in the style.
   const float low_s = rise_m < low_m_ ? tuning::kLowFall_s : tuning::kLowRise_s;
   low_m_ += DecayShare(dt_s, low_s) * (rise_m - low_m_);
   const float longer = std::max(left.longer, right.longer) - 1;
@@ -339,7 +341,7 @@ void Feet::MoveHips(float dt_s, const MutablePoseView& styled) noexcept {
       drop_m_.Follow(std::min(need_m, options_.hips_drop_m), dt_s, options_.hips_tau_s);
   const Vec3 up(0, level_m - drop_m, 0);
   if (up.isZero(0)) return;
-  // A free foot is taken up; down it would sink.
+  // A free foot may be lifted; lowered it would sink.
   for (Leg& leg : state_) leg.ankle_m.y() += (1 - leg.carries) * std::max(0.0F, up.y());
   const auto hips = static_cast<std::size_t>(legs_.hips());
   styled.translations[static_cast<std::size_t>(legs_.joints()[hips])] +=
@@ -356,7 +358,7 @@ void Feet::Reach(int side, float dt_s, const MutablePoseView& styled) noexcept {
   const Placed& upper = at(leg.upper);
   const TwoBones limb{upper.position_m, at(leg.lower).position_m, at(leg.foot).position_m,
                       upper.rotation * leg.hinge_in_upper};
-  // A foot that stays where the style has it leaves the leg unchanged.
+  // A foot at its styled place leaves the leg unchanged.
   const float length = (limb.knee - limb.hip).norm() + (limb.ankle - limb.knee).norm();
   const float corner = tuning::kStraightCorner * length;
   const float now = (limb.ankle - limb.hip).norm();
@@ -366,8 +368,8 @@ void Feet::Reach(int side, float dt_s, const MutablePoseView& styled) noexcept {
   const float soft = SoftReach(wanted, length, corner);
   const float room = std::min(1.0F, (length - soft) / (length - now_soft));
   const float reach = soft + room * (now - now_soft);
-  // Near straight a knee turns far for a little reach. Its turn is smoothed, which there costs next
-  // to no reach.
+  // A knee near straight turns far for a little reach. Its turn is smoothed, which costs next to no
+  // reach there.
   const KneeTurn knee = KneeFor(limb, reach);
   const float turn_rad =
       KeptForwards(knee.bend_rad, state.knee.Follow(knee.turn_rad, dt_s, tuning::kKnee_s));

@@ -13,14 +13,14 @@
 
 namespace styled::feet {
 
-// Step 6 of the stylist, for one output skeleton. The style's step is scaled to the way that the
-// body goes. While the performer's own foot is on the floor, and the style does not swing it, the
-// published foot moves over the floor as the performer's does; without this stage a style, or
+// Step 6 of the stylist, for one output skeleton. The style's step is scaled to the distance that
+// the body covers. While the performer's own foot is on the floor, and the style does not swing it,
+// the published foot moves over the floor like the performer's. Without this stage a style, or
 // another skeleton's proportions, would let it slide. During contact the foot keeps the performer's
-// height, and it never sinks below the floor. The hips are moved to the height at which the legs
-// that stand keep the knees' styled angles, above the performer's own if need be. The legs follow
-// by two-bone IK, which keeps bone lengths and the side of the knee. Every quantity is a smooth
-// function of the input or an integral of one, so nothing pops, and no delay is added.
+// height, and it never sinks below the floor. The hips are moved to the height at which the
+// standing legs keep the knees' styled angles, above the performer's own if necessary. The legs
+// follow by two-bone IK, which keeps bone lengths and the side of the knee. Every quantity is a
+// smooth function of the input or an integral of one, so that nothing pops, and no delay is added.
 //
 // Spaces: poses are local transforms of their skeleton; inside, all is in canonical metres and axes
 // (+Y up), in which all bound skeletons have the same hips height. Memory is sized at construction;
@@ -37,12 +37,12 @@ class Feet {
   // `styled`: the pose to be published, changed in place: the rotations of the leg joints and the
   // hips' translation, nothing else. Both need unit rotations and must not share memory. `weight`,
   // 0 .. 1, is the strength of the stage: at 0 only the contacts are tracked, and `styled` stays as
-  // it is, bit for bit.
-  // `travel`: where the styled body is on the floor, if elsewhere than the performer.
+  // it is, bit for bit. `travel`: the offset of the styled body on the floor from the performer, if
+  // any.
   STYLED_REALTIME void Process(float dt_s, float weight, const PoseView& input,
                                const MutablePoseView& styled, const Travel& travel = {}) noexcept;
 
-  // Forgets locks, floor and contacts: the next frame counts as the first.
+  // Clears locks, floor and contacts: the next frame counts as the first.
   STYLED_REALTIME void Reset() noexcept;
 
   const Contacts& contacts() const { return contacts_; }
@@ -56,16 +56,17 @@ class Feet {
   struct Leg {
     int frames = 0;  // since Reset, at most 2; after the first, only frames with dt_s > 0 count
     Vec3 last_in_toes_m, last_in_heel_m, last_toes_m, last_heel_m;
-    Vec3 offset_m = Vec3::Zero();  // horizontal: the published foot less the styled one
-    // Horizontal, world axes: the gait's mean of the styled foot less the input's.
+    Vec3 offset_m = Vec3::Zero();  // horizontal: the published foot minus the styled one
+    // Horizontal, world axes: the gait's mean of the styled foot minus the input's.
     Vec3 centre_m = Vec3::Zero();
-    Vec3 last_own_m = Vec3::Zero(), last_styled_m = Vec3::Zero();  // the ankle less the hips
+    Vec3 last_own_m = Vec3::Zero(), last_styled_m = Vec3::Zero();  // the ankle minus the hips
     CriticallyDamped lift_toes, lift_heel;
-    CriticallyDamped toes_stand, heel_stands;  // 0 .. 1: the style has it on the floor, too
+    CriticallyDamped toes_stand, heel_stands;  // 0 .. 1: the foot is on the floor in the style, too
     CriticallyDamped knee;                     // its turn by the inverse kinematics, rad
 
     float longer = 1;           // this frame: the scale of the step
-    Vec3 fit_m = Vec3::Zero();  // this frame: horizontal, what makes the step as long as the way
+    Vec3 fit_m = Vec3::Zero();  // this frame: horizontal, makes the step as long as the travelled
+                                // distance
     float yields = 0;           // this frame: 1 if the styled foot is too high to hold
     Quat pitch = Quat::Identity();  // this frame: the foot's rotation, world
     Vec3 ankle_m;                   // the ankle's target
@@ -79,8 +80,7 @@ class Feet {
         last_styled_m, lift_toes, lift_heel, toes_stand, heel_stands, knee);
     }
   };
-  // The performer's own foot, with heel and toes at the heights that the output's have above a
-  // floor.
+  // The performer's own foot, with heel and toes at the output skeleton's heights above a floor.
   struct Sole {
     Vec3 heel_m, toes_m;
     float heel = 0, toes = 0;  // contact weights
@@ -101,10 +101,10 @@ class Feet {
   Contacts contacts_;
   std::array<Leg, kLegs> state_;
   CriticallyDamped level_m_, drop_m_;
-  float low_m_ = 0;       // how low the legs that stood have had the hips of late
+  float low_m_ = 0;       // recent mean of how far the standing legs lowered the hips
   int level_frames_ = 0;  // of level_m_, as Leg::frames
   // Means over the time in which feet stand: of the square of the speed at which the performer's
-  // foot goes back under the hips, and of its product with that of the styled foot, m^2/s^2.
+  // foot moves back under the hips, and of its product with that of the styled foot, m^2/s^2.
   float own_own_ = tuning::kFitBegin_m2_s2, own_styled_ = tuning::kFitBegin_m2_s2;
   Vec3 last_across_ = Vec3::Zero();  // the input's right hip to left hip, horizontal, unit
   std::vector<Placed> in_, out_;

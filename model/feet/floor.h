@@ -5,11 +5,11 @@
 
 namespace styled::feet {
 
-// Tracks the height of the performer's floor from the heights at which the feet come to rest. (Each
-// height is taken less the planted height of that part of the foot, so that heels and toes agree.)
-// The floor falls within tenths of a second when a foot comes to rest lower. It rises slowly when
-// everything at rest is higher (stairs, a rig that drifts). One wild frame moves it by millimetres.
-// Metres, seconds. Pinned by tests/unit/feet/contacts_test.cpp.
+// Tracks the height of the performer's floor from the heights at which the feet come to rest. (From
+// each height the planted height of that part of the foot is subtracted, so that heels and toes
+// agree.) The floor falls within tenths of a second when a foot comes to rest lower. It rises
+// slowly when everything at rest is higher (stairs, a rig that drifts). One wild frame moves it by
+// millimetres. Metres, seconds. Pinned by tests/unit/feet/contacts_test.cpp.
 class Floor {
  public:
   // `lowest_m`: the height of the lowest part of either foot; `speed_mps`: the speed of that part.

@@ -6,7 +6,7 @@ namespace styled::feet {
 
 // Settings of the feet stage, the same for all performers. Lengths are canonical metres (a source
 // skeleton is scaled by its hips height), times seconds. The defaults are those of styled.toml;
-// model/feet/tuning.h tells where they come from.
+// model/feet/tuning.h has their sources.
 struct Options {
   // A heel or toe is in contact while it is low (height above its planted height, 0 .. 1) and slow
   // (speed over the ground, 0 .. 20). Between the two bounds of each pair the weight falls smoothly
@@ -19,9 +19,9 @@ struct Options {
   float reach_m = tuning::kReach_m;
   // Time constant of the return to the styled foot; 0.001 .. 10.
   float return_s = tuning::kReturn_s;
-  // A step is set down so far off its styled place that it is as far off on the other side at its
-  // end. `centre_s`: the time constant of the gait's mean that this needs, 0.01 .. 60. `centre`:
-  // the share of it, 0 (lands as styled) .. 1.
+  // A step lands at an offset from its styled place such that it ends with the opposite offset.
+  // `centre_s`: the time constant of the gait's mean that this needs, 0.01 .. 60. `centre`: the
+  // share of the offset, 0 (lands as styled) .. 1.
   float centre_s = tuning::kCentre_s;
   float centre = tuning::kCentre;
   // The hips come down if a leg must reach farther than this share of its length; 0.5 .. 1.
@@ -33,36 +33,15 @@ struct Options {
   friend bool operator==(const Options&, const Options&) = default;
 };
 
-enum class OptionsError {
-  kNone,
-  kContactHeight,  // not 0 <= low < high <= 1
-  kContactSpeed,   // not 0 <= slow < fast <= 20
-  kBlend,
-  kReach,
-  kReturn,
-  kCentre,
-  kStretch,
-  kHipsDrop,
-};
-
-// Returns the first rule that `o` breaks; NaN breaks every rule.
-[[nodiscard]] constexpr OptionsError Validate(const Options& o) {
+// Whether all are in their ranges; NaN is in none.
+[[nodiscard]] constexpr bool IsValid(const Options& o) {
   const auto in = [](float value, float low, float high) { return value >= low && value <= high; };
-  if (!(in(o.contact_low_m, 0, 1) && in(o.contact_high_m, 0, 1) &&
-        o.contact_low_m < o.contact_high_m)) {
-    return OptionsError::kContactHeight;
-  }
-  if (!(in(o.contact_slow_mps, 0, 20) && in(o.contact_fast_mps, 0, 20) &&
-        o.contact_slow_mps < o.contact_fast_mps)) {
-    return OptionsError::kContactSpeed;
-  }
-  if (!(in(o.blend_in_s, 0, 1) && in(o.blend_out_s, 0, 1))) return OptionsError::kBlend;
-  if (!in(o.reach_m, 1e-3F, 1)) return OptionsError::kReach;
-  if (!in(o.return_s, 1e-3F, 10)) return OptionsError::kReturn;
-  if (!(in(o.centre_s, 0.01F, 60) && in(o.centre, 0, 1))) return OptionsError::kCentre;
-  if (!in(o.stretch, 0.5F, 1)) return OptionsError::kStretch;
-  if (!(in(o.hips_drop_m, 0, 1) && in(o.hips_tau_s, 0, 10))) return OptionsError::kHipsDrop;
-  return OptionsError::kNone;
+  return in(o.contact_low_m, 0, 1) && in(o.contact_high_m, 0, 1) &&
+         o.contact_low_m < o.contact_high_m && in(o.contact_slow_mps, 0, 20) &&
+         in(o.contact_fast_mps, 0, 20) && o.contact_slow_mps < o.contact_fast_mps &&
+         in(o.blend_in_s, 0, 1) && in(o.blend_out_s, 0, 1) && in(o.reach_m, 1e-3F, 1) &&
+         in(o.return_s, 1e-3F, 10) && in(o.centre_s, 0.01F, 60) && in(o.centre, 0, 1) &&
+         in(o.stretch, 0.5F, 1) && in(o.hips_drop_m, 0, 1) && in(o.hips_tau_s, 0, 10);
 }
 
 }  // namespace styled::feet

@@ -6,12 +6,13 @@
 
 namespace styled::feet {
 
-// How the styled body's way over the floor differs from the performer's: by nothing, unless the
-// style scales it (model/stylist/stride.h). Canonical metres, +Y up; the vectors are horizontal.
+// The difference between the styled body's path over the floor and the performer's. It is zero
+// unless the style scales the path (model/stylist/stride.h). Canonical metres, +Y up; the vectors
+// are horizontal.
 struct Travel {
-  body::Vec3 moved_m = body::Vec3::Zero();  // the styled hips less the performer's
-  // Steps are longer by this share (shorter if negative), along this direction. Its length is 1,
-  // or less where the performer hardly moves.
+  body::Vec3 moved_m = body::Vec3::Zero();  // the styled hips minus the performer's
+  // Steps are longer by this share (shorter if negative), along this direction. Its length is 1, or
+  // less while the performer hardly moves.
   float longer = 0;
   body::Vec3 along = body::Vec3::Zero();
 

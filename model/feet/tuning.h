@@ -1,11 +1,11 @@
 #pragma once
 
-// The constants of the feet stage: value, unit, what a larger value trades for what, and the figure
+// The constants of the feet stage: value, unit, the trade-off of a larger value, and the figure
 // that picked it. The figures are from styleeval over 240 clips (40 neutral ones of set 2, six
 // styles) unless said otherwise (model/weights/RESULTS.md, "The feet stage"); v1 came before v2 and
-// is no longer in the tree. A clip is "to blame" on the stage if its output accelerates harder
-// than 1.5 times the input's p99.9 while the pose without the stage does not. "No measurement on
-// record" means that nobody varied the constant and noted the effect.
+// is no longer in the tree. A clip is "to blame" on the stage if its output accelerates harder than
+// 1.5 times the input's p99.9 while the pose without the stage does not. "No measurement on record"
+// means that the constant was not varied, or the effect not noted.
 namespace styled::feet::tuning {
 
 // Contacts (contacts.h)
@@ -18,9 +18,9 @@ inline constexpr float kSpeed_s = 0.012F;
 // record.
 inline constexpr float kContactLow_m = 0.03F, kContactHigh_m = 0.06F;
 inline constexpr float kContactSlow_mps = 0.4F, kContactFast_mps = 0.9F;
-// Options::blend_*: time constants with which a contact takes hold and lets go, s. Larger: softer,
-// and a foot slides longer. 0.045 (0.03 before) came with 1.2 % of clips to blame, among other
-// changes; 0.015 has no measurement on record.
+// Options::blend_*: time constants of the begin and end of a contact, s. Larger: softer, and a foot
+// slides longer. 0.045 (0.03 before) came with 1.2 % of clips to blame, among other changes; 0.015
+// has no measurement on record.
 inline constexpr float kBlendIn_s = 0.015F, kBlendOut_s = 0.045F;
 
 // Floor (floor.h)
@@ -86,7 +86,7 @@ inline constexpr float kStands_s = 0.01F;
 // Time constant of the ratio of steps, s of feet that stand. Larger: steadier, and later. No other
 // value was measured.
 inline constexpr float kFit_s = 1.0F;
-// What it begins with: steps that agree, as if seen at so much speed, m^2/s^2. A walk has 1.2.
+// The initial value: steps that agree, as if seen at this speed, m^2/s^2. A walk has 1.2.
 inline constexpr float kFitBegin_m2_s2 = 1.0F;
 // The least share of the performer's speed that a styled foot may have in it.
 inline constexpr float kFitLeast = 0.1F;
@@ -107,7 +107,7 @@ inline constexpr float kHighCushion_m = 0.03F;
 inline constexpr float kSwing_m = 0.06F;
 // The share of a lift at one end of the foot that is added to the other end. 0: toe and heel were
 // held up one after the other, a jolt. No measurement of the value on record.
-inline constexpr float kTakenAlong = 0.7F;
+inline constexpr float kLiftShared = 0.7F;
 // Time constant of the lift to the performer's height, s. Slower ones do not reduce the clips to
 // blame.
 inline constexpr float kLift_s = 0.03F;

@@ -21,24 +21,25 @@ struct TwoBoneTurns {
   float missed = 0;  // the distance between the ankle and the target afterwards
 };
 
-// How a knee has to turn so that the ankle is as far from the hip as is wanted.
+// The turn of a knee that brings the ankle to a given distance from the hip.
 struct KneeTurn {
   Vec3 axis = Vec3::UnitX();  // unit; of the turn
   float bend_rad = 0;         // now, about the axis: 0 is straight, negative beyond
-  float turn_rad = 0;         // to be added
+  float turn_rad = 0;         // to be added to it
 };
 STYLED_REALTIME KneeTurn KneeFor(const TwoBones& limb, float distance) noexcept;
-// The turns with which the knee turns so far, and the ankle is on the line to `target`.
+// The turns that bend the knee by that angle and bring the ankle onto the line to `target`.
 STYLED_REALTIME TwoBoneTurns Turn(const TwoBones& limb, const Vec3& axis, float turn_rad,
                                   const Vec3& target) noexcept;
 
-// Both. Brings the ankle to `target` by rotations only, so the bones keep their lengths. First the
-// knee's angle by the law of cosines, about the axis about which the knee bends now, so that it
-// keeps its side; `hinge` is blended in where the limb is nearly straight. Then the shortest arc
-// about the hip. If the target is out of reach, the ankle ends on the line to it, as far (or near)
-// as the bones allow. It also stops short of the target, or passes it, on that line if a knee that
-// is bent backwards would have to snap through. A target at the ankle gives the identity. No state,
-// no allocation; any thread. Pinned by tests/unit/feet/two_bone_ik_test.cpp.
+// Both steps. Brings the ankle to `target` by rotations only, so the bones keep their lengths. The
+// first step sets the knee's angle by the law of cosines, about the axis about which the knee bends
+// now, so that it keeps its side; `hinge` is blended in when the limb is nearly straight. The
+// second step is the shortest arc about the hip. If the target is out of reach, the ankle ends on
+// the line to it, as far (or near) as the bones allow. It also stops short of the target, or passes
+// it, on that line if a knee that is bent backwards would have to snap through. A target at the
+// ankle returns the identity. No state, no allocation; any thread. Pinned by
+// tests/unit/feet/two_bone_ik_test.cpp.
 STYLED_REALTIME TwoBoneTurns ReachFor(const TwoBones& limb, const Vec3& target) noexcept;
 
 // A soft limit on the reach of a limb of length `length`. The result is about `wanted` well below

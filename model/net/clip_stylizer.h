@@ -6,15 +6,15 @@
 #include "model/net/style_space.h"
 #include "model/net/stylizer.h"
 
-// The interface of networks that need the frames after the one that they style, whole clips at
-// best, and that know a space of styles instead of a list. They are not for live streams. It is an
-// interface of its own because a Stylizer's Step answers at once. It ends at the Prediction, the
-// same as Stylizer's: stylist/clip_stylist.h plays predictions to the stylist frame by frame, so
-// that every later stage is the same code. Start-up and offline code: everything here allocates.
+// The interface of networks that need the frames after the one that they style, ideally whole
+// clips, and that know a space of styles instead of a list. They are not for live streams. It is a
+// separate interface because a Stylizer's Step returns its result at once. Its output is the same
+// Prediction as Stylizer's: stylist/clip_stylist.h plays predictions to the stylist frame by frame,
+// so that every later stage is the same code. Start-up and offline code: everything here allocates.
 // Each object: any thread for const functions; a ClipStream one thread at a time.
 namespace styled::net {
 
-// Over how many frames the network normalizes.
+// The frames over which the network normalizes.
 enum class Extent {
   kByLength,  // the whole clip up to 20 s, else overlapping windows
   kWhole,     // the whole clip; memory grows with it
@@ -31,11 +31,11 @@ class ClipStream {
 
   // The next pose, 1 / Model::rate_hz after the last: canonical, finite, unit rotations.
   virtual void Add(const body::Pose& pose) = 0;
-  // No pose follows: Take then gives the predictions that are left.
+  // Call after the last pose: Pop then returns the remaining predictions.
   virtual void End() = 0;
   // Writes the next prediction; false if it needs more poses, or all are taken. If the weights
   // compute something that is not finite, so are its rotations.
-  virtual bool Take(Prediction& out) = 0;
+  virtual bool Pop(Prediction& out) = 0;
 
  protected:
   ClipStream() = default;
@@ -47,8 +47,8 @@ class ClipStylizer : public StyleSpace {
   virtual const Model& model() const noexcept = 0;
 
   // A stream whose predictions' `styled` is in the style of `code` and whose `reconstruction` is in
-  // the performer's own, as one who moves in `input_style` (0: neutral). One of fewer poses than
-  // least_frames() is filled up with its last.
+  // the performer's own style, `input_style` (0: neutral). A stream of fewer poses than
+  // least_frames() is extended with its last pose.
   virtual std::unique_ptr<ClipStream> MakeStream(const StyleCode& code, int input_style,
                                                  Extent extent) const = 0;
 };

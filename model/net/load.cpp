@@ -13,7 +13,7 @@
 namespace styled::net {
 namespace {
 
-// A network family: its name in weights files, the function that reads the family's part, of either
+// A network family: its name in weights files, the function that reads the family's part for either
 // kind, whether it knows a space of styles, and whether its weights can be rounded.
 struct Family {
   const char* name;
@@ -91,8 +91,9 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
   const Family* const family = FindFamily(wanted);
   if (family != nullptr && family->load != nullptr) return family->load(file.value());
   Faults faults(name);
-  faults.Key("family", FamilyNames(IsLive),
-             Shown(wanted) + (family != nullptr ? ": it styles whole clips, no live streams" : ""));
+  faults.Key(
+      "family", FamilyNames(IsLive),
+      Shown(wanted) + (family != nullptr ? ": it styles whole clips, not live streams" : ""));
   return faults.status();
 }
 
@@ -122,6 +123,9 @@ Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string
 
 std::string ClipFamilyNames() {
   return FamilyNames([](const Family& family) { return !IsLive(family); });
+}
+std::string RoundedFamilyNames() {
+  return FamilyNames([](const Family& family) { return family.rounds; });
 }
 std::string SpaceFamilyNames() {
   return FamilyNames([](const Family& family) { return family.space; });

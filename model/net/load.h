@@ -14,11 +14,11 @@
 namespace styled::net {
 
 // Loads the network of a weights file of any family (FORMAT.md). An error names the file, the key
-// or tensor, what was expected and what was found; for an unknown family it lists the known ones,
-// and so it does for a family whose network needs whole clips. Allocates: start-up and reload only.
-// Pinned by tests/unit/net/load_test.cpp.
+// or tensor, what was expected and what was found. For an unknown family, and for a family whose
+// network needs whole clips, it lists the known ones. Allocates: start-up and reload only. Pinned
+// by tests/unit/net/load_test.cpp.
 //
-// `precision`: to which a network of the family style-erd rounds its weights; the others have
+// `precision`: to which a network of a family that CanBeRounded rounds its weights; the others have
 // float32 always. An error where the processor has no products of such numbers.
 Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file,
                                              Precision precision = Precision::kFloat32);
@@ -26,7 +26,7 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
                                               const std::string& name,
                                               Precision precision = Precision::kFloat32);
 
-// Whether the file's family is one whose weights can be rounded; false for what is no weights file.
+// Whether the file's family is one whose weights can be rounded; false if it is not a weights file.
 bool CanBeRounded(std::span<const std::byte> bytes);
 
 // A network of either kind; exactly one is set.
@@ -43,9 +43,10 @@ Result<AnyStylizer> LoadAny(const std::filesystem::path& file,
 Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name,
                              Precision precision = Precision::kFloat32);
 
-// The families whose networks need whole clips, or know a space of styles, for messages: "\"a\" or
-// \"b\"".
+// The families whose networks need whole clips, know a space of styles, or have weights that can be
+// rounded, for messages: "\"a\" or \"b\"".
 std::string ClipFamilyNames();
+std::string RoundedFamilyNames();
 std::string SpaceFamilyNames();
 
 }  // namespace styled::net

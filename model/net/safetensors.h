@@ -36,8 +36,8 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{64} << 20;
 // hole; and sizes that do not match the shape. Every error begins with `name`.
 Result<SafetensorsView> ParseSafetensors(std::span<const std::byte> file, const std::string& name);
 
-// The bytes of all tensors: what is behind the header. They stay where metadata alone is written
-// anew. Nothing of a file that is too short.
+// The bytes of all tensors, after the header. They do not change when only metadata is rewritten.
+// Empty if the file is too short.
 std::span<const std::byte> TensorBytes(std::span<const std::byte> file);
 
 // Reads a whole file of at most kMaxFileBytes; anything but a regular file is refused.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -12,18 +11,16 @@
 namespace styled::net {
 namespace {
 
-constexpr std::size_t kTogether = 16;  // jobs that the networks get at a time
-
 // Where a style of the list is: in which network, and its number there.
 struct Place {
   std::size_t network = 0;
   int number = 0;
 };
 
-// The turns that make the carriage of one network's performers that of another's.
+// The turns that convert the carriage of one network's performers to that of another's.
 using Turns = std::array<body::Quat, body::kJointCount>;
 
-// The hips are left as they are: theirs is against a heading that each family finds by itself.
+// The hips are unchanged: theirs is relative to a heading that each family finds by itself.
 void Turn(const Turns& turns, std::array<body::Quat, body::kJointCount>& rotations) noexcept {
   for (std::size_t joint = 1; joint < turns.size(); ++joint) {
     rotations[joint] = (turns[joint] * rotations[joint]).normalized();
@@ -33,9 +30,9 @@ void Turn(const Turns& turns, std::array<body::Quat, body::kJointCount>& rotatio
 // One network's part of a stream.
 struct Part {
   std::unique_ptr<Stream> stream;
-  body::Pose pose;  // the input with the carriage that this network knows
-  int awake = 0;    // steps that it still goes on; 0: it does not work
-  int steps = 0;    // since it began to work, at most kWakeSteps
+  body::Pose pose;  // the input with this network's carriage
+  int awake = 0;    // remaining steps without a style; 0: it does not run
+  int steps = 0;    // steps since it began to run, at most kWakeSteps
   Prediction out;
 };
 
@@ -51,7 +48,7 @@ class Parts final : public Stream {
   bool fresh = true;  // no step since the start
 };
 
-// The styles by the numbers of the network that has a space.
+// The styles by their numbers in the network that has a space.
 class Space final : public StyleSpace {
  public:
   Space(const StyleSpace& inner, std::size_t network, const std::vector<Place>& places,
@@ -88,7 +85,7 @@ class Space final : public StyleSpace {
   std::vector<std::vector<int>> same_;  // of each of them, the style of that name by network
 };
 
-// What one job asks of one network.
+// One network's part of a job.
 struct Share {
   std::array<StyleWeight, kMaxActive> styles;
   std::size_t count = 0;
@@ -175,7 +172,7 @@ class Several final : public Stylizer {
     own.fresh = true;
   }
 
-  // The streams of networks that do not work are started before they do.
+  // The streams of networks that do not run are reset before they do.
   void Carry(Stream& stream, Checkpoint& c) const noexcept override {
     auto& own = static_cast<Parts&>(stream);
     c(own.fresh);
@@ -208,7 +205,7 @@ class Several final : public Stylizer {
         space_(other.space_),
         stay_awake_(other.stay_awake_) {}
 
-  // All styles of the networks under names that are each there once.
+  // All styles of the networks, under unique names.
   void ListStyles() {
     model_ = networks_.front().network->model();
     for (std::size_t n = 0; n < networks_.size(); ++n) {
@@ -252,7 +249,7 @@ class Several final : public Stylizer {
     }
   }
 
-  // Of all networks the narrowest bounds: whose style is in force changes while limbs are held.
+  // The narrowest bounds of all networks, because the active style changes while limbs are held.
   void FindGate() {
     model_.gate = networks_.front().network->model().gate;
     const auto narrow = [](GateBounds::Range& to, const GateBounds::Range& from) {
@@ -266,7 +263,7 @@ class Several final : public Stylizer {
     }
   }
 
-  // Poses come with the carriage of the first network that knows one.
+  // Poses arrive with the carriage of the first network that has one.
   void FindTurns() {
     turns_.resize(networks_.size());
     for (const NamedNetwork& named : networks_) {
@@ -299,7 +296,7 @@ class Several final : public Stylizer {
     }
   }
 
-  // Which networks work in this step.
+  // Determines which networks run in this step.
   void Wake(const StepJob& job, std::span<const Share> shares, Parts& stream) const noexcept {
     const bool any = std::any_of(shares.begin(), shares.end(),
                                  [](const Share& share) { return share.weight > 0; });
@@ -358,7 +355,7 @@ class Several final : public Stylizer {
     }
   }
 
-  // Predictions are of the pose that was given. The change of style stays the same.
+  // Predictions refer to the given pose. The change of style stays the same.
   void TurnBack(std::span<const StepJob> jobs, std::size_t network) const noexcept {
     Turns back = *turns_[network];
     for (body::Quat& turn : back) turn = turn.conjugate();
@@ -370,7 +367,7 @@ class Several final : public Stylizer {
     }
   }
 
-  // The changes of all networks that have a style in force.
+  // The changes of all networks that have an active style.
   void Join(const Parts& stream, std::span<const Share> shares, std::size_t home,
             Prediction& out) const noexcept {
     std::size_t first = home, count = 0;
@@ -393,7 +390,7 @@ class Several final : public Stylizer {
         change[joint] += shown * body::Log(from.rotations[joint].conjugate() * to.rotations[joint]);
       }
       rise_m += shown * (to.hips_height_m - from.hips_height_m);
-      // What is not finite anywhere must show.
+      // A value that is not finite anywhere must remain visible.
       if (n == first) continue;
       for (std::size_t i = 0; i < out.styled.velocities_m_s.size(); ++i) {
         out.styled.velocities_m_s[i] += to.velocities_m_s[i];
@@ -411,7 +408,7 @@ class Several final : public Stylizer {
   Model model_;
   std::vector<Place> places_;                // of model_.styles
   std::vector<std::vector<int>> same_;       // of each style, the networks' styles of that name
-  std::vector<std::optional<Turns>> turns_;  // by network; none: its carriage is model_'s
+  std::vector<std::optional<Turns>> turns_;  // by network; empty: its carriage is model_'s
   std::size_t examples_ = 0;                 // the network that has the space
   std::shared_ptr<const Space> space_;
   int stay_awake_ = 0;
@@ -438,7 +435,7 @@ Result<std::shared_ptr<const Stylizer>> Combine(std::vector<NamedNetwork> networ
     for (std::size_t other = 0; other < n; ++other) {
       if (networks[other].name != networks[n].name) continue;
       return Status::Error("two networks have the name " + networks[n].name +
-                           "; expected another one of each");
+                           "; expected different ones");
     }
   }
   return std::shared_ptr<const Stylizer>(std::make_shared<Several>(std::move(networks)));

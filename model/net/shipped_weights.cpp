@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 constexpr const char* kExtension = ".safetensors";
 constexpr const char* kDefault = "v2.safetensors";
 
-// Where shipped weights may be: of an installation, in the source tree of a build, of the system.
+// The places of shipped weights: in an installation, in the source tree of a build, in the system.
 std::vector<fs::path> Folders() {
   std::vector<fs::path> folders;
   std::error_code error;

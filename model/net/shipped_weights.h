@@ -8,15 +8,15 @@
 namespace styled::net {
 
 // Finds the weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped file.
-// A name without a folder that is no file here is looked for among the shipped ones, with or
-// without its ".safetensors". The error lists the places searched. Start-up only. Pinned by
+// A name without a folder that does not exist as a file here is searched among the shipped ones,
+// with or without its ".safetensors". The error lists the places searched. Start-up only. Pinned by
 // tests/e2e/tools_test.cpp.
 Result<std::filesystem::path> FindWeights(const std::filesystem::path& given);
 
 // Whether `file`, as FindWeights found it, is the shipped file of FindWeights("").
 bool IsShippedDefault(const std::filesystem::path& file);
 
-// The other weights in the folder of `file`, by name; none where `file` is not a shipped one.
+// The other weights in the folder of `file`, by name; empty if `file` is not a shipped one.
 std::vector<std::filesystem::path> OtherShippedWeights(const std::filesystem::path& file);
 
 }  // namespace styled::net

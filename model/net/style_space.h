@@ -8,10 +8,10 @@
 #include "model/body/pose.h"
 
 // The space of styles of a network that knows more than a list of them. Every point of it, a code,
-// is a style: of an example, of chance, or between others.
+// is a style: from an example, random, or between others.
 namespace styled::net {
 
-// A style as the network's decoder takes it; its meaning is the family's.
+// A style in the form that the network's decoder uses; only the family knows its meaning.
 using StyleCode = std::vector<float>;
 
 // One ingredient of a style.
@@ -26,7 +26,7 @@ struct StyleSource {
   float weight = 1;
 };
 
-// What a style is made of: neutral + strength Σ weight (source - neutral).
+// The recipe of a style: neutral + strength Σ weight (source - neutral).
 struct StyleRequest {
   std::vector<StyleSource> sources;
   float amount = 1;    // of variation: mean + amount (varied - mean)
@@ -46,19 +46,20 @@ class StyleSpace {
   StyleSpace(const StyleSpace&) = delete;
   StyleSpace& operator=(const StyleSpace&) = delete;
 
-  // The fewest poses that make an example, or a clip that is styled as a whole.
+  // The fewest poses of an example, or of a clip that is styled as a whole.
   virtual int least_frames() const noexcept = 0;
 
-  // Whether `code` has as many numbers as a code of this network may have.
+  // Whether `code` has a size that the network accepts.
   virtual bool IsCode(const StyleCode& code) const;
   // Styles must be within those of the weights file; weights, amount and strength finite.
   virtual StyleCode MakeCode(const StyleRequest& request) const = 0;
-  // The neutral style plus what tells `code` from `from`: of an example of a style, and of one of
-  // the same performer without it, the style alone. Limited. Both codes of this network.
+  // The neutral style plus the difference between `code` and `from`. With an example of a style,
+  // and one of the same performer without it, the result is the style alone. Limited. Both codes
+  // belong to this network.
   virtual StyleCode Difference(const StyleCode& code, const StyleCode& from) const;
   virtual NearestStyle Nearest(const StyleCode& code) const = 0;
-  // The code, or one nearer to what the network knows where this lies so far from it that the body
-  // would be torn apart. MakeCode's sources are limited already.
+  // The code, or one nearer to the known styles if this one is so far from them that the body would
+  // be torn apart. MakeCode's sources are already limited.
   virtual StyleCode Limited(const StyleCode& code) const { return code; }
 
  protected:

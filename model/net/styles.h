@@ -12,24 +12,29 @@ namespace styled::net {
 
 // The limits of what a user may request of a network, whatever its family: defined here only.
 inline constexpr int kMaxStyles = 32;             // of a weights file, neutral included
-inline constexpr int kMaxAdded = 1024;            // more, that With adds (stylizer.h)
+inline constexpr int kMaxAdded = 1024;            // the number of additional ones that With adds
+                                                  // (stylizer.h)
 inline constexpr std::size_t kMaxStyleName = 32;  // bytes of the name of a style that is added
-inline constexpr int kMaxMix = 4;                 // styles that a user may mix
-inline constexpr int kMaxActive = 8;  // styles in effect: a mix and the one it fades from
+inline constexpr int kMaxMix = 4;                 // the number of styles that a user may mix
+inline constexpr int kMaxActive = 8;  // styles in effect: a mix and the one that it fades from
 // of a strength, a style's weight, a mix's sum of weights
 inline constexpr float kMaxStrength = 1.5F;
 inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
+// The fade of who asks for none: 0.4 threw an arm in one switch of nine and made small changes
+// late; 0.1 with the limit of the stylist's low-pass (model/stylist/tuning.h) does not. look.proto
+// states it, too, and the page (tests/documents/test_look.py).
+inline constexpr float kUsualTransition_s = 0.1F;
 // Of a style, numbered from 1, where the network has variations; 0 is the style itself.
 inline constexpr int kVariations = 99;
 inline constexpr float kMaxDrift_s = 600.0F;  // from one variation to the next
 
-// A style whose output is recognized in a smaller share of windows is weak: who chooses it must be
-// told. v2's styles have either 0.8 and more, or 0.7 and less.
+// A style whose output is recognized in a smaller share of windows is weak, and users who choose it
+// are warned. v2's styles have either 0.8 and more, or 0.7 and less.
 inline constexpr float kWeakBelow = 0.8F;
 
-// How a style carries trunk, head and collars, whatever is done in it: by joint of kPostureJoints,
-// the turn from a joint's mean rotation in neutral to that in the style, over the same acts, as a
-// rotation vector after the joint's own rotation, rad.
+// A style's carriage of trunk, head and collars, in any act: by joint of kPostureJoints, the turn
+// from a joint's mean rotation in neutral to that in the style, over the same acts, as a rotation
+// vector after the joint's own rotation, rad.
 inline constexpr std::array<body::Joint, 6> kPostureJoints{
     body::kSpine, body::kChest,        body::kNeck,
     body::kHead,  body::kLeftShoulder, body::kRightShoulder};
@@ -38,24 +43,24 @@ using Posture = std::array<body::Vec3, kPostureJoints.size()>;
 struct StyleInfo {
   std::string name;
   std::vector<std::string> aliases;
-  // Of several networks (several.h): the one that it belongs to, and its name there. ""
-  // where there is one network.
+  // With several networks (several.h): the style's network, and its name there. "" with one
+  // network.
   std::string model, original;
   bool varies = false;  // its network has the variations 1 .. kVariations of it
-  // The strength of its evidence; 0: not measured. The share of windows in which a judge takes the
-  // styled validation clips for the style, and how much of it was recorded for training.
+  // The strength of its evidence; 0: not measured. The share of windows of the styled validation
+  // clips that a judge recognizes as the style, and the seconds recorded for training.
   float recognized = 0, recorded_s = 0;
   // Mean speed of the style's walks and runs, canonical metres per second; 0: not measured.
   float walk_mps = 0, run_mps = 0;
   // Their mean cadence, steps of either foot per minute; 0: not measured.
   float walk_spm = 0, run_spm = 0;
-  std::optional<Posture> posture;  // nothing: not measured
-  // Another style has its name now, or nobody shall choose it any more: FindStyle passes it over.
-  // It may still be fading out.
+  std::optional<Posture> posture;  // empty: not measured
+  // Retired: its name was reassigned, or it can no longer be selected, so FindStyle skips it. It
+  // may still be fading out.
   bool retired = false;
 };
 
-// Measured, and recognized too seldom.
+// It was measured, and is recognized too seldom.
 inline bool IsWeak(const StyleInfo& style) {
   return style.recognized > 0 && style.recognized < kWeakBelow;
 }

@@ -20,7 +20,7 @@ using nlohmann::json;
 
 constexpr float kMaxRate_hz = 1000.0F;
 
-// What was measured of a style, each key optional.
+// The measurements of a style, each key optional.
 struct Measured {
   const char* key;
   float StyleInfo::*value;
@@ -301,9 +301,9 @@ Result<WeightsFile> ParseWeights(std::span<const std::byte> bytes, const std::st
   const auto& container = file.view.metadata;
   const auto text = container.find("styled");
   if (text == container.end() || container.size() != 1) {
-    faults.Add("__metadata__: expected the one key 'styled', found " +
-               (text == container.end() ? "none of that name"
-                                        : std::to_string(container.size()) + " keys"));
+    faults.Add(
+        "__metadata__: expected the one key 'styled', found " +
+        (text == container.end() ? "no such key" : std::to_string(container.size()) + " keys"));
     return faults.status();
   }
   const std::string wrong = ParseStrictJson(text->second, file.header);

@@ -44,7 +44,7 @@ struct WeightsFile {
   std::string name;       // begins every error
   Model model;            // the common keys
   nlohmann::json header;  // all keys, an object
-  // To which the family shall round its weights. ParseWeights leaves it as it is.
+  // The precision to which the family rounds its weights. ParseWeights leaves it as it is.
   Precision precision = Precision::kFloat32;
   SafetensorsView view;  // its spans lie in the bytes given to ParseWeights
 };

@@ -9,8 +9,8 @@
 
 namespace styled::neutral {
 
-// How somebody holds their body: the mean rotation of each joint of the canonical humanoid against
-// its parent, the hips' against the body's heading (body::Heading_rad). Unit quaternions; identity
+// A person's carriage: the mean rotation of each joint of the canonical humanoid relative to its
+// parent, the hips' relative to the body's heading (body::Heading_rad). Unit quaternions; identity
 // is the T-pose.
 struct Carriage {
   std::array<body::Quat, body::kJointCount> rotations;
@@ -26,9 +26,9 @@ struct Carriage {
 };
 
 // The carriage of the performers that a network was trained on, in its neutral style, while they
-// stand with hanging arms, walk and run. Symmetric, since training mirrors clips. And the mean
-// speeds at which they walk and run, canonical metres per second, which tell the one from the
-// other; the defaults are those of most people. Weights files carry the carriages
+// stand with hanging arms, walk and run. Symmetric, since training mirrors clips. Also the mean
+// speeds at which they walk and run, canonical metres per second, which separate walking from
+// running; the defaults are those of most people. Weights files contain the carriages
 // (model/net/FORMAT.md) and the speeds, as neutral's.
 struct Reference {
   Carriage standing, walking, running;

@@ -18,7 +18,7 @@ using body::Quat;
 using body::Vec3;
 using body::WorldPose;
 
-// Of a weighted sum of two rotations, the unit quaternion; the shorter way round.
+// The unit quaternion of a weighted sum of two rotations, along the shorter arc.
 Quat Blend(const Quat& a, const Quat& b, float share) noexcept {
   const float sign = a.dot(b) < 0 ? -1.0F : 1.0F;
   Quat blend;
@@ -44,7 +44,7 @@ const Bound& BoundOf(int joint) noexcept {
   return joint < body::kLeftShoulder ? kTrunk : kLeg;
 }
 
-// `turn`, or the same by as much as is taken for a carriage.
+// `turn`, limited to the largest angle that counts as a carriage.
 Quat Bounded(const Quat& turn, int joint) noexcept {
   const Bound& bound = BoundOf(joint);
   if (std::abs(turn.w()) >= bound.half_cosine) return turn;
@@ -101,7 +101,7 @@ Ordinary JudgeOrdinary(const Pose& pose, float speed_mps, const Reference& refer
     return reference.walk_mps + share * (run_mps - reference.walk_mps);
   };
   ordinary.running = SmoothStep(speed_mps, at(tuning::kRunBegins), at(tuning::kRuns));
-  // Who walks bends their elbows; who stands and does so shows something, or is on guard.
+  // People who walk bend their elbows; people who stand with bent elbows gesture or are on guard.
   const auto mixed = [&](float standing, float moving) {
     return standing + ordinary.moving * (moving - standing);
   };
@@ -118,14 +118,14 @@ Ordinary JudgeOrdinary(const Pose& pose, float speed_mps, const Reference& refer
   return ordinary;
 }
 
-// The speed of the hips over the floor, averaged over a step. A past as long as the session, so
-// that one that begins in mid-stride does not begin with the speed of standing.
+// The speed of the hips over the floor, averaged over a step. The window is at most as long as the
+// session, so that a session that begins in mid-stride does not begin with the speed of standing.
 float Neutral::Speed_mps(const Vec3& hips_m, float dt_s) noexcept {
   const Vec3 step_m(hips_m.x() - last_hips_m_.x(), 0, hips_m.z() - last_hips_m_.z());
   last_hips_m_ = hips_m;
   const bool first = !std::exchange(placed_, true);
   if (first || step_m.norm() > tuning::kFastest_mps * dt_s) {
-    seen_ = 0;  // the velocity of before tells nothing
+    seen_ = 0;  // the former velocity is useless
     return velocity_mps_.norm();
   }
   const float share = DecayShare(dt_s, tuning::kSpeed_s);
@@ -176,7 +176,7 @@ void Neutral::Learn(const Pose& input, const Ordinary& ordinary, float dt_s,
   add(seconds_[kArms], dt_s * std::min(ordinary.left_arm, ordinary.right_arm));
 }
 
-void Neutral::TakeOut(const Pose& input, Pose& out) const noexcept {
+void Neutral::RemoveCarriage(const Pose& input, Pose& out) const noexcept {
   out.hips_position_m = input.hips_position_m;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     out.rotations[joint] = (used_.rotations[joint] * input.rotations[joint]).normalized();
@@ -187,7 +187,7 @@ void Neutral::TakeOut(const Pose& input, Pose& out) const noexcept {
                                    .normalized();
 }
 
-// What is no rotation would stay in every frame that follows.
+// An invalid rotation would stay in every frame that follows.
 void Neutral::Carry(Checkpoint& c) noexcept {
   c(learned_, used_, seconds_, calibrates_s_, heading_rad_, last_hips_m_, velocity_mps_, seen_,
     placed_, calibrated_);

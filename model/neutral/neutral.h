@@ -10,9 +10,9 @@
 
 namespace styled::neutral {
 
-// How much one pose tells of a carriage. It is ordinary where the body is upright and on straight
-// legs and both upper arms hang; in standing, where the forearms hang, too, and the feet are not
-// far apart.
+// The evidence that one pose gives about a carriage. A pose is ordinary if the body is upright, the
+// legs are straight and both upper arms hang; while standing, the forearms must hang, too, and the
+// feet must not be far apart.
 struct Ordinary {
   float heading_rad = 0;              // body::Heading_rad
   float moving = 0, running = 0;      // 0 stands, 1 walks or runs; 0 walks, 1 runs
@@ -21,45 +21,45 @@ struct Ordinary {
 
   STYLED_REALTIME float Of(int joint) const noexcept;  // of the three, that of the joint's part
 };
-// Judges a pose, canonical and finite, by its shape and by the hips' speed over the floor,
-// smoothed. Pure.
+// Evaluates a pose, canonical and finite, by its shape and by the hips' smoothed speed over the
+// floor. Pure.
 STYLED_REALTIME Ordinary JudgeOrdinary(const body::Pose& pose, float speed_mps,
                                        const Reference& reference) noexcept;
 
-// What is known of a performer, whatever network there is: to be kept over a restart.
+// The learned neutral of a performer, independent of the network: to be kept over a restart.
 struct Known {
-  Carriage own;             // how they walk, the reference's own way for what was not learned
+  Carriage own;             // their carriage, with the reference's own where nothing was learned
   float body_s = 0;         // seconds of ordinary standing and moving that it was learned from,
   float arms_s = 0;         // and of hanging arms: 0 .. tuning::kRemembered_s
-  bool calibrated = false;  // it was shown on purpose, and nothing more is learned
+  bool calibrated = false;  // set by a calibration; it no longer changes
 
   friend bool operator==(const Known&, const Known&) = default;
 };
 
-// The performer's neutral: by how much the way in which this performer and this rig hold each joint
-// differs from that of the performers whom a network knows. It is learned while they stand, walk
-// and run, and is taken out of the poses that the network sees. Nothing has to be put back: the
-// change of style turns the performer's own pose.
+// The performer's neutral: the difference between the carriage of this performer on this rig and
+// that of the performers whom a network knows. It is learned while they stand, walk and run, and is
+// removed from the poses that the network sees. It need not be added again: the change of style is
+// applied to the performer's own pose.
 //
 // For joint j with local rotation q_j and the reference's mean M_j (standing, walking or running,
-// by speed), the turn C_j is the running mean of M_j q_j^-1, so the network sees C_j q_j; the hips'
-// in the frame of the heading. A frame counts by how ordinary it is, so an act is not taken for a
-// carriage. No joint's turn exceeds a bound of its class (tuning.h).
+// by speed), the turn C_j is the running mean of M_j q_j^-1, so the network sees C_j q_j; for the
+// hips, in the frame of the heading. Frames are weighted by how ordinary they are, so that an act
+// is not mistaken for a carriage. No joint's turn exceeds a bound of its class (tuning.h).
 //
 // Value type of fixed size, no allocation; one thread at a time. Time is the sum of `dt_s`.
 // Mathematics: model/README.md, 1. Pinned by tests/unit/neutral/neutral_test.cpp.
 class Neutral {
  public:
-  // Looks at one frame, `dt_s` after the one before (0: the first): canonical, finite. `learns`:
-  // false for a performer who is not in neutral (an input style), of whom nothing is learned.
+  // Processes one frame, `dt_s` after the one before (0: the first): canonical, finite. `learns`:
+  // false for a performer who is not in neutral (an input style); such frames are not learned from.
   STYLED_REALTIME void Follow(const body::Pose& input, float dt_s, bool learns,
                               const Reference& reference) noexcept;
 
-  // Writes `input`, the pose last followed, as the reference's performer would hold it. `out` may
-  // be `input`. The hips' place stays.
-  STYLED_REALTIME void TakeOut(const body::Pose& input, body::Pose& out) const noexcept;
+  // Writes `input`, the last processed pose, with the carriage of the reference's performer. `out`
+  // may be `input`. The hips' place is unchanged.
+  STYLED_REALTIME void RemoveCarriage(const body::Pose& input, body::Pose& out) const noexcept;
 
-  // How much of what there is to learn is known, 0 .. 1: the share of the performer in the mean, of
+  // How well the neutral is known, 0 .. 1: the weight of the performer's frames in the mean, for
   // the body without the arms.
   float learned() const;
   // As in Known.
@@ -71,13 +71,15 @@ class Neutral {
   // The turns that are in effect; identity where nothing was learned.
   const Carriage& turns() const { return used_; }
 
-  // Learns anew for `seconds`, from what the performer shows now. Then nothing more is learned, if
-  // enough was ordinary (tuning::kEnough_s); if not, it goes on as without.
+  // Starts learning again for `seconds`, from the performer's current motion. After that it no
+  // longer changes, if enough of the motion was ordinary (tuning::kEnough_s); otherwise learning
+  // continues as without a calibration.
   STYLED_REALTIME void Calibrate(float seconds) noexcept;
-  // Forgets what was learned and calibrated; it fades out, and is learned anew.
+  // Clears the learned or calibrated neutral; it fades out, and is learned again.
   STYLED_REALTIME void Forget() noexcept;
 
-  // What is known, and its use for another network or by another stylist: at once, without a fade.
+  // The learned neutral, and its use for another network or by another stylist: at once, without a
+  // fade.
   STYLED_REALTIME Known Tell(const Reference& reference) const noexcept;
   STYLED_REALTIME void Know(const Known& known, const Reference& reference) noexcept;
   // See model/base/checkpoint.h.

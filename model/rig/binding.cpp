@@ -96,7 +96,7 @@ Status ValidateRest(const BindingSpec& spec) {
   return Status::Ok();
 }
 
-// How far the hips are above the lowest of `joints` in the T-pose: in source units, and on the
+// The height of the hips above the lowest of `joints` in the T-pose: in source units, and on the
 // canonical humanoid in metres.
 struct HipsHeight {
   float source = 0, canonical_m = 0;
@@ -241,7 +241,7 @@ Vec3 Binding::RootPosition(const RigPose& pose) const noexcept {
   Quat parent_world = pose.rotations[0];
   for (std::size_t i = 1; i < hips_chain_.size(); ++i) {
     const int joint = hips_chain_[i];
-    // What the joint's translation has beyond its offset is moved to joint 0.
+    // The difference between the joint's translation and its offset is moved to joint 0.
     position += parent_world * (pose.translations[joint] - spec_.skeleton.offsets[joint]);
     parent_world = parent_world * pose.rotations[joint];
   }

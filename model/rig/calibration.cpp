@@ -49,7 +49,7 @@ Stand Look(const Skeleton& skeleton, const JointMap& map, const RigPose& pose) {
 }
 
 // The rotation from the source's axes to the canonical ones, with the performer looking along +Z.
-// Nothing if hips and head, or left and right, are at the same place.
+// Empty if hips and head, or left and right, are at the same place.
 std::optional<Quat> FindAxes(const Stand& stand) {
   const Vec3 spine = stand.At(body::kHead) - stand.At(body::kHips);
   Eigen::Index axis = 0;

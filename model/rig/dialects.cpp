@@ -297,12 +297,12 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
   }
   if (!candidate.judged.fault.empty()) {
     return Status::Error("rig: dialect " + std::string(dialect) +
-                         ": found a rest pose that is no T-pose (" + candidate.judged.fault +
+                         ": found a rest pose that is not a T-pose (" + candidate.judged.fault +
                          "), expected one within 25 degrees; give the rest rotations in the "
                          "config, or name another dialect of " +
                          KnownDialects());
   }
-  // A known name whose rest pose was another is named by what was taken.
+  // A known name with another rest pose is reported under the dialect that was used.
   const bool as_named = row != nullptr && row->rest == rest;
   if (used != nullptr) *used = as_named ? name : NameOf(rest);
   return Binding::Make(

@@ -42,10 +42,10 @@ Result<std::array<int, body::kJointCount>> MapJoints(const Skeleton& skeleton,
 Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto",
                             std::string* used = nullptr, const JointNames& given = {});
 
-// Whether BindDialect knows it; "auto" is one.
+// Whether BindDialect accepts it; "auto" counts as a dialect.
 bool IsDialect(std::string_view name);
-// The dialect that has these joint names to itself ("poser", "character-creator", "cmu", ...); ""
-// where names do not tell.
+// The dialect that is the only one with these joint names ("poser", "character-creator", "cmu",
+// ...); "" if the names are ambiguous.
 std::string_view DialectOfNames(const Skeleton& skeleton);
 
 }  // namespace styled::rig

@@ -6,12 +6,12 @@
 #include "model/base/realtime.h"
 #include "model/rig/wrists.h"
 
-// An object in a hand: a sword that the rig tracks keeps its pose against the hand that holds it,
-// wherever a style moves that hand. Pure functions; any thread; no allocation. Pinned by
+// An object in a hand: a sword that the rig tracks keeps its pose relative to the hand that holds
+// it, wherever a style moves that hand. Pure functions; any thread; no allocation. Pinned by
 // tests/unit/rig/grip_test.cpp and, through the daemon, tests/unit/daemon/props_test.cpp.
 namespace styled::rig {
 
-// Which hand holds an object. kAuto: the one near it, by its distance from the wrist.
+// The hand that holds an object. kAuto: the hand near it, by its distance from the wrist.
 enum class Hand : std::uint8_t { kAuto, kNone, kLeft, kRight };
 
 // The distance of an object's origin from a wrist up to which the hand holds it, and beyond which
@@ -20,22 +20,22 @@ enum class Hand : std::uint8_t { kAuto, kNone, kLeft, kRight };
 // so that they fit children and giants.
 inline constexpr float kHeld_m = 0.35F, kLetGo_m = 0.5F;
 
-// How much each hand holds an object, left and right: 0 .. 1 each, 1 at most together; the rest of
-// 1 stands in the room.
+// How much each hand holds an object, left and right: 0 .. 1 each, at most 1 together; the rest is
+// fixed in the room.
 struct Grip {
   std::array<float, 2> share{};
   float held() const { return share[0] + share[1]; }
 };
 
-// The grip on an object. Of two hands near it the nearer one has almost all: 0.98 where it is 0.1 m
-// and the other one 0.3 m off. A continuous function of the poses, without memory. A hand that the
-// skeleton lacks holds nothing.
+// The grip on an object. Of two hands near it the nearer one has almost all: 0.98 if it is 0.1 m
+// and the farther one 0.3 m away. A continuous function of the poses, without memory. A hand that
+// the skeleton lacks holds nothing.
 STYLED_REALTIME Grip GripOf(const Placed& object, const WristPair& wrists, Hand hand) noexcept;
 
-// Where the object is when the wrists go from `from` to `to`: with each hand as if it were welded
-// to it, without a hand where it was, and between them as the shares say (positions linear,
-// rotations along the shorter arcs). Exactly `object` where nothing is held. A hand without a `to`
-// holds nothing. The rotation has unit length.
+// The object's pose when the wrists move from `from` to `to`. Each hand's contribution is as if the
+// object were welded to it; without a hand the object stays in place. The contributions are mixed
+// by their shares (positions linear, rotations along the shorter arcs). Exactly `object` if nothing
+// is held. A hand without a `to` holds nothing. The rotation has unit length.
 STYLED_REALTIME Placed Carry(const Placed& object, const Grip& grip, const WristPair& from,
                              const WristPair& to) noexcept;
 

@@ -39,9 +39,9 @@ Vec3 NearestAxis(const Vec3& direction) {
   return nearest;
 }
 
-// The directions that the hands show, in source axes; not of unit length.
+// The directions that follow from the hands, in source axes; not of unit length.
 struct Directions {
-  std::array<Vec3, 2> left{Vec3::Zero(), Vec3::Zero()};  // as each hand shows it
+  std::array<Vec3, 2> left{Vec3::Zero(), Vec3::Zero()};  // according to each hand
   Vec3 forward = Vec3::Zero();
 };
 Directions Look(const Tail& tail) {

@@ -45,7 +45,7 @@ const std::vector<Alias>& CentreAliases() {
   static const std::vector<Alias> kAliases = {
       {body::kHips, {"hips", "hip", "pelvis"}},
       {body::kNeck, {"neck", "neck1", "neck01", "lowerneck", "necktwist01", "necklower"}},
-      {body::kHead, {"head", "face"}},  // a face where nothing is called head
+      {body::kHead, {"head", "face"}},  // used if no joint is called head
   };
   return kAliases;
 }
@@ -281,7 +281,7 @@ std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
       if (map[alias.joint] < 0) map[alias.joint] = table.FindCentre(name);
     }
   }
-  // mocopi calls its hips "root"; "torso_1" tells that it is mocopi.
+  // mocopi calls its hips "root"; "torso_1" identifies mocopi.
   if (map[body::kHips] < 0 && table.Find("torso1") >= 0) map[body::kHips] = table.Find("root");
 
   for (const SpineAlias& alias : kSpines) {

@@ -50,7 +50,7 @@ inline void Mirror(RigPose& pose) noexcept {
   }
 }
 
-// What a rig reports about its skeleton: the fields of the Body message
+// A skeleton as its rig reports it: the fields of the Body message
 // (proto/styled/v1/body.proto).
 struct RigBody {
   Skeleton skeleton;          // units and axes of the rig

@@ -6,7 +6,7 @@
 namespace styled::rig {
 namespace {
 
-// The joints from `joint` up to `above`, both left out, parents first; nothing if `above` is not
+// The joints from `joint` up to `above`, both left out, parents first; empty if `above` is not
 // above it.
 std::optional<std::vector<int>> PathBelow(const Skeleton& skeleton, int above, int joint) {
   std::vector<int> path;

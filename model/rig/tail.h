@@ -47,19 +47,20 @@ constexpr TailMap NoTail() {
 
 // The tail by the naming conventions of the field (VRM/Unity, Mixamo/HIK, Xsens, Rokoko, Motive,
 // Unreal, Biped, Rigify, Character Creator, SMPL-X, ...; the tables are in joint_names.cpp). A
-// finger that is numbered needs its first two joints: bodies with one stiff joint for a finger have
-// others than these. Allocates; any thread. Pinned by tests/unit/rig/tail_names_test.cpp.
+// finger with numbered joints needs its first two joints, because the joints of bodies with one
+// stiff joint per finger mean something else. Allocates; any thread. Pinned by
+// tests/unit/rig/tail_names_test.cpp.
 TailMap MapTailNames(const Skeleton& skeleton);
 
-// What both have.
+// The joints that both have.
 TailMap Both(const TailMap& map, const TailMap& other);
 
 // The tail of one bound skeleton. A joint's rotation is its world-space change from the T-pose
 // relative to that of its parent, as in the canonical humanoid: the identity in the T-pose. The
-// parent is the joint before it in its finger, else the hand or the head; what the skeleton has
-// between the two (carpals, a face) is composed into the joint. So it depends on nothing above the
-// hand: on a styled wrist the fingers keep their pose. Immutable after Make; any number of threads.
-// Pinned by tests/unit/rig/tail_test.cpp.
+// parent is the joint before it in its finger, else the hand or the head; joints of the skeleton
+// between the two (carpals, a face) are composed into the joint. The tail therefore depends on
+// nothing above the hand: on a styled wrist the fingers keep their pose. Immutable after Make; any
+// number of threads. Pinned by tests/unit/rig/tail_test.cpp.
 class Tail {
  public:
   struct Joint {
@@ -72,7 +73,7 @@ class Tail {
   // The tail of `binding`'s skeleton by `map`. Leaves out a joint that is not below the joint it
   // hangs from, or that the humanoid has. Allocates.
   static Tail Make(const Binding& binding, const TailMap& map);
-  // The same by a BindingSpec that need not be whole: a hand, and what hangs from it. `scale`:
+  // The same for a BindingSpec that may be incomplete: a hand and the joints below it. `scale`:
   // metres per unit of its skeleton.
   static Tail Make(const BindingSpec& spec, float scale, const TailMap& map);
 
@@ -82,12 +83,12 @@ class Tail {
   const TailMap& map() const { return map_; }
 
   // Reads the tail of a pose, local rotations of the skeleton's joints. `tail` must have size()
-  // rotations: those before, for continuity in sign; unit length afterwards.
+  // rotations: the former ones, for continuity in sign; unit length afterwards.
   STYLED_REALTIME void Read(std::span<const Quat> pose, std::span<Quat> tail) const noexcept;
-  // Turns the tail's joints of `pose`, local rotations of the skeleton's joints, as `tail` says.
-  // Joints between a tail joint and its parent stay as they are.
+  // Sets the tail's joints of `pose`, local rotations of the skeleton's joints, to `tail`. Joints
+  // between a tail joint and its parent stay as they are.
   STYLED_REALTIME void Write(std::span<const Quat> tail, std::span<Quat> pose) const noexcept;
-  // The same for the joint at a place of joints() alone.
+  // The same for only the joint at a place of joints().
   STYLED_REALTIME void Write(std::size_t place, const Quat& turn,
                              std::span<Quat> pose) const noexcept;
 

@@ -95,8 +95,7 @@ bool Trackers::IsLevel(int part) const noexcept {
   return options_.stance == Stance::kTPose && IsOfArm(part);
 }
 
-void Trackers::Take(body::Joint part, std::int64_t time_ns,
-                    const Quat& world_from_sensor) noexcept {
+void Trackers::Add(body::Joint part, std::int64_t time_ns, const Quat& world_from_sensor) noexcept {
   Tracker& tracker = trackers_[part];
   if (tracker.taken > 0 && time_ns < tracker.newest().time_ns) return;
   if (tracker.taken == 0 || time_ns > tracker.newest().time_ns) ++tracker.taken;

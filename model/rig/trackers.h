@@ -13,8 +13,8 @@ using body::Vec3;
 
 // Makes poses of the canonical humanoid from orientation trackers, at most one per body part. The
 // sensors know the vertical, but neither their heading nor how they are mounted, and they send at
-// any time. They measure no positions: the place of the hips follows from the foot that stands.
-// Fixed memory, no allocation; one thread at a time.
+// any time. They measure no positions: the place of the hips follows from the standing foot. Fixed
+// memory, no allocation; one thread at a time.
 //
 // A sensor measures   world_from_sensor = Y(heading) * world_from_part * part_from_sensor
 //
@@ -46,14 +46,14 @@ class Trackers {
 
   // Adds a measurement: right-handed axes, +Y up, unit length. All `time_ns` are on one clock. A
   // sample older than the last one of its part is dropped; one of the same time replaces it.
-  STYLED_REALTIME void Take(body::Joint part, std::int64_t time_ns,
-                            const Quat& world_from_sensor) noexcept;
+  STYLED_REALTIME void Add(body::Joint part, std::int64_t time_ns,
+                           const Quat& world_from_sensor) noexcept;
 
-  // Call while the performer stands in `stance`. Calibrates every part with a live tracker, forgets
+  // Call while the performer stands in `stance`. Calibrates every part with a live tracker, drops
   // the calibration of all others, and places the performer above the origin.
   STYLED_REALTIME Outcome ResetFull(std::int64_t now_ns) noexcept;
   // The same for sensors that share one world, in which the performer faces `heading` (about +Y,
-  // from +Z to the left, radians). How each sensor points does not matter then.
+  // from +Z to the left, radians). The sensors' directions do not matter then.
   STYLED_REALTIME Outcome ResetFull(std::int64_t now_ns, float heading) noexcept;
   // Call while the performer stands upright and looks along +Z. Corrects the headings of all
   // calibrated parts, nothing else.
@@ -77,10 +77,11 @@ class Trackers {
   // phase.
   STYLED_REALTIME bool Solve(std::int64_t now_ns, body::Pose& pose) noexcept;
 
-  // Where a part's rotation in the last pose comes from.
+  // The source of a part's rotation in the last pose.
   enum class Source : std::uint8_t { kNone, kLive, kStale };
   Source source(int part) const noexcept { return sources_[part]; }
-  // The parts' rotations of the last pose, in the performer's world; stale parts as they are held.
+  // The parts' rotations of the last pose, in the performer's world; stale parts with their held
+  // rotation.
   const std::array<Quat, body::kJointCount>& world() const noexcept { return world_; }
 
   // The direction in which a sensor points in a full reset if it is mounted as usual: a heading
@@ -129,7 +130,7 @@ class Trackers {
   std::array<Source, body::kJointCount> sources_{};
   std::array<Quat, body::kJointCount> world_;  // of the parts, in the performer's world
   std::array<Quat, body::kJointCount> local_;  // of the last pose
-  // The point that stands (index of PointOf, -1: none yet), and its place on the floor.
+  // The standing point (index of PointOf, -1: none yet), and its place on the floor.
   int stands_ = -1;
   float place_x_m_ = 0, place_z_m_ = 0;
 };

@@ -10,15 +10,15 @@
 
 namespace styled::rig {
 
-// Where a hand or an object is: world from it, in canonical axes (+Y up, +Z forward, +X left) and
-// in metres of the canonical humanoid's scale (Binding::scale).
+// The world pose of a hand or an object: world from it, in canonical axes (+Y up, +Z forward, +X
+// left) and in metres of the canonical humanoid's scale (Binding::scale).
 struct Placed {
   Vec3 position_m = Vec3::Zero();
   Quat rotation = Quat::Identity();
 };
 
-// A world pose of a bound skeleton's axes and units in canonical ones, and back. An object's own
-// axes are converted as the world's are, so that the identity stays the identity.
+// Converts a world pose from a bound skeleton's axes and units to canonical ones, and back. An
+// object's own axes are converted like the world's, so that the identity stays the identity.
 STYLED_REALTIME Placed ToCanonical(const Binding& binding, const Vec3& position,
                                    const Quat& rotation) noexcept;
 STYLED_REALTIME void FromCanonical(const Binding& binding, const Placed& placed, Vec3& position,

@@ -57,7 +57,7 @@ bool Avatar::ProcessBody(std::int64_t time_ns, const Output& styled) noexcept {
     performed_.translations[joint] = styled.source.translations[joint];
     performed_.rotations[joint] = styled.source.rotations[joint].normalized();
   }
-  // Unbind needs the pose before as `received`: for its joints without a source and for signs.
+  // Unbind needs the former pose as `received`: for its joints without a source and for signs.
   std::swap(last_, pose_);
   avatar_->Unbind(styled.canonical, last_, pose_);
   if (ground_) {
@@ -67,7 +67,7 @@ bool Avatar::ProcessBody(std::int64_t time_ns, const Output& styled) noexcept {
   feet_.Process(dt_s, hold_ ? 1.0F : 0.0F, {performed_.translations, performed_.rotations},
                 {pose_.translations, pose_.rotations}, styled.travel);
   if (IsSound(*avatar_, pose_, styled.canonical)) return true;
-  // The feet's state may have caused it: start anew, and show the performer's own motion.
+  // The feet's state may be the cause: reset it, and show the performer's own motion.
   Reset();
   body::Pose own = styled.canonical_input;
   own.hips_position_m += styled.travel.moved_m;

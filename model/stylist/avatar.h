@@ -14,11 +14,11 @@
 
 namespace styled::stylist {
 
-// Steps 5 and 6 of the stylist for a further skeleton: that of an avatar, whose proportions differ
-// from the performer's. Rotations are transferred joint by joint; the path over the floor is scaled
-// by the hips' height. Then the feet are corrected: the avatar's lowest foot is as high as the
-// performer's, and where a performer's foot is planted the avatar's stands still, with or without a
-// style. Fingers, eyes and jaw that both have follow the performer's. Memory is sized at
+// Steps 5 and 6 of the stylist for an additional skeleton: that of an avatar, whose proportions
+// differ from the performer's. Rotations are transferred joint by joint; the path over the floor is
+// scaled by the hips' height. Then the feet are corrected: the avatar's lowest foot is as high as
+// the performer's, and while a performer's foot is planted the avatar's stands still, with or
+// without a style. Fingers, eyes and jaw that both have follow the performer's. Memory is sized at
 // construction; Process does not allocate. One thread at a time. Pinned by
 // tests/unit/stylist/avatar_test.cpp.
 class Avatar {
@@ -31,14 +31,13 @@ class Avatar {
          const rig::TailMap& tail = rig::NoTail());
 
   // Processes one frame, after the stylist's Process; `styled.rig` must be in the binding's axes.
-  // `time_ns` must increase from call to call;
-  // frames may be skipped. Returns false if the result would not be a sound pose
-  // (model/stylist/guard.h): pose() is then the performer's own motion, and contacts and locks
-  // start anew.
+  // `time_ns` must increase from call to call; frames may be skipped. Returns false if the result
+  // would not be a sound pose (model/stylist/guard.h): pose() is then the performer's own motion,
+  // and contacts and locks are reset.
   STYLED_REALTIME bool Process(std::int64_t time_ns, const Output& styled) noexcept;
   // The avatar's pose in its own units and axes; rotations are continuous in sign over time.
   const rig::RigPose& pose() const { return pose_; }
-  // Forgets contacts and locks: the next frame counts as the first.
+  // Clears contacts and locks: the next frame counts as the first.
   STYLED_REALTIME void Reset() noexcept;
   // See model/base/checkpoint.h; between avatars of the same two skeletons and options.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept {
@@ -56,7 +55,7 @@ class Avatar {
   float ground_tau_s_;
   feet::Feet feet_;
   CriticallyDamped shift_m_;
-  rig::Tail performer_tail_, avatar_tail_;  // of what both have
+  rig::Tail performer_tail_, avatar_tail_;  // the joints that both have
   std::vector<rig::Quat> tail_;             // the last frame's
   rig::RigPose performed_;                  // the performer's own pose, unit rotations
   rig::RigPose last_, pose_;

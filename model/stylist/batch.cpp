@@ -35,6 +35,6 @@ void StepTogether(std::span<const BatchEntry> entries) noexcept {
 }
 
 template void StepTogether<1>(std::span<const BatchEntry>) noexcept;
-template void StepTogether<kMaxBatch>(std::span<const BatchEntry>) noexcept;
+template void StepTogether<net::kTogether>(std::span<const BatchEntry>) noexcept;
 
 }  // namespace styled::stylist

@@ -19,8 +19,7 @@ struct BatchEntry {
 // Runs every network step that is due for these frames, with the results of each performer alone,
 // bit for bit. Performers that share a network share the reading of its weights. At most kMost
 // entries; instantiated for 1, so that a single performer does not pay for a batch's arrays, and
-// for kMaxBatch. No allocation. Pinned by tests/unit/stylist/stylist_test.cpp.
-inline constexpr std::size_t kMaxBatch = 16;  // Stylist::kTogether
+// for net::kTogether. No allocation. Pinned by tests/unit/stylist/stylist_test.cpp.
 template <std::size_t kMost>
 STYLED_REALTIME void StepTogether(std::span<const BatchEntry> entries) noexcept;
 

@@ -16,15 +16,15 @@ class ChangeFilter {
  public:
   // First half of a frame, `dt_s` after the one before: low-passes toward `target`. The delay is
   // Options::change_tau_s. It is longer while the network reconstructs badly (`reconstruction_rad`,
-  // rms over joints), because small motions of the performer then make large ones of the delta. It
-  // is longer after a restart, too, because recurrent states that have seen little of the performer
-  // change their minds; and during a switch of styles, the more so the farther a limb has to move,
-  // so that no limb is thrown. The first frame after a restart sets the value to the target.
+  // rms over joints), because small motions of the performer then cause large ones of the delta. It
+  // is also longer after a restart, because the output of recurrent states that have seen little of
+  // the performer is unsteady; and during a switch of styles, the more so the farther a limb has to
+  // move, so that no limb is thrown. The first frame after a restart sets the value to the target.
   STYLED_REALTIME void Follow(const StyleDelta& target, double dt_s, float reconstruction_rad,
                               const Mixer& mixer, const Options& options) noexcept;
 
   // Second half of the same frame: sets applied() to `delta` (value(), scaled by the stylist),
-  // cross-faded from what was applied at the last restart.
+  // cross-faded from the value that was applied at the last restart.
   STYLED_REALTIME void Apply(const StyleDelta& delta, double dt_s, const Options& options) noexcept;
 
   // The low-passed delta, and its first stage, near(), which is less delayed and less smooth:
@@ -39,10 +39,10 @@ class ChangeFilter {
   // The recurrent states restart. `fade`: cross-fade from the delta that was applied until now;
   // false: no cross-fade.
   STYLED_REALTIME void Restart(bool fade) noexcept;
-  // The same, but a running cross-fade continues. Without this the style would never arrive where
-  // every frame comes after a gap, e.g. from a rig of 1 Hz.
+  // The same, but a running cross-fade continues. Otherwise the style would never arrive if every
+  // frame comes after a gap, e.g. from a rig of 1 Hz.
   STYLED_REALTIME void RestartAfterGap(bool fade, double dt_s, const Options& options) noexcept;
-  // Forgets everything; the style is faded in from none.
+  // Clears everything; the style is faded in from none.
   STYLED_REALTIME void Clear() noexcept;
   // Ends a switch in progress, for an instant change of style.
   STYLED_REALTIME void EndSwitch() noexcept { switching_ = 0; }

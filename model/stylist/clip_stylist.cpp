@@ -24,16 +24,16 @@ net::Model RolesOf(const net::Model& model) {
   return roles;
 }
 
-// What the steps of one recurrent state read or write. Start does not clear it: a state's steps
-// count from the first frame on, in both stylists alike.
+// The data that the steps of one recurrent state read or write. Start does not clear it: a state's
+// steps count from the first frame on, in both stylists alike.
 class Track final : public net::Stream {
  public:
   std::span<const std::byte> memory() const noexcept override { return {}; }
 
-  // Of the stylist ahead: the poses of its current frame.
+  // For the stylist ahead: the poses of its current frame.
   std::array<body::Pose, kMaxStepsPerFrame> poses;
   std::size_t noted = 0;
-  // Of the one behind: the predictions that it has not yet taken, from `next` on.
+  // For the stylist behind: the predictions that it has not yet taken, from `next` on.
   std::vector<Prediction> predictions;
   std::size_t next = 0;
 };
@@ -51,7 +51,7 @@ class Player : public net::Stylizer {
   }
   void Start(net::Stream&) const noexcept override {}
 
-  // The next prediction of each state. There always is one; if not, the pose would not be sound,
+  // The next prediction of each state. There is always one; without it the pose would not be sound,
   // and the frame would be the performer's own.
   void Step(std::span<const StepJob> jobs) const noexcept override {
     for (const StepJob& job : jobs) {
@@ -72,7 +72,7 @@ class Player : public net::Stylizer {
   std::vector<Track*>& tracks_;
 };
 
-// The same for the stylist ahead: notes the pose and changes nothing.
+// The same for the stylist ahead: records the pose and changes nothing.
 class Recorder final : public Player {
  public:
   using Player::Player;
@@ -158,8 +158,8 @@ void ClipStylist::Impl::Feed() {
     if (fed == frames.count) streams[i]->End();
     Track& to = *played[i];
     Prediction prediction;
-    while (streams[i]->Take(prediction)) {
-      // The taken ones go before the rest grows beyond them.
+    while (streams[i]->Pop(prediction)) {
+      // Taken predictions are removed before the rest grows beyond them.
       if (to.next > to.predictions.size() / 2) {
         to.predictions.erase(to.predictions.begin(),
                              to.predictions.begin() + static_cast<std::ptrdiff_t>(to.next));

@@ -19,7 +19,7 @@ struct ClipFrames {
   std::function<const rig::RigPose&(std::size_t)> frame;
 };
 
-// How a clip is styled; what Settings says of a network's own styles is not used.
+// How a clip is styled; the styles in Settings are not used.
 struct ClipStyle {
   net::StyleCode code;  // of the network
   // The weight that later stages see, 0 .. net::kMaxStrength: feet are held in full from 0.25 on,
@@ -32,14 +32,14 @@ struct ClipStyle {
 };
 
 // Styles a clip with a network that needs the frames after the one that it styles, by the very code
-// that styles a live stream. Two Stylists take the same frames: the first is ahead and only notes
-// the poses that each of its recurrent states is stepped with; the network turns these streams of
-// poses into predictions; the second Stylist's states give these, step for step. Which poses are
-// due is decided by source time alone, so both do the same steps. Binding, interleaving, filters,
-// out-of-domain weight, feet and guards are therefore the Stylist's own, and a clip of 120 Hz is
-// styled by four interleaved streams of 30 Hz as it would be live. The first is ahead by as much as
-// the network needs: memory is bounded unless the extent is kWhole. Allocates; one thread at a
-// time. Pinned by tests/unit/stylist/clip_stylist_test.cpp.
+// that styles a live stream. Two Stylists process the same frames. The first is ahead and only
+// records the poses with which each of its recurrent states is stepped. The network turns these
+// streams of poses into predictions, and the second Stylist's states return them, step for step.
+// Source time alone decides which poses are due, so both do the same steps. Binding, interleaving,
+// filters, out-of-domain weight, feet and guards are therefore the Stylist's own, and a clip of 120
+// Hz is styled by four interleaved streams of 30 Hz as it would be live. The first is ahead by as
+// much as the network needs: memory is bounded unless the extent is kWhole. Allocates; one thread
+// at a time. Pinned by tests/unit/stylist/clip_stylist_test.cpp.
 class ClipStylist {
  public:
   ClipStylist(std::shared_ptr<const net::ClipStylizer> network, ClipStyle style,

@@ -16,9 +16,9 @@ namespace styled::stylist {
 // Pinned by tests/unit/stylist/domain_test.cpp.
 class Domain {
  public:
-  // Judges one frame by the network's `reconstruction_rad` (rms over joints) and the hips' rotation
-  // relative to the world. `dt_s`: time since the frame before. `first`: there was none; no
-  // smoothing.
+  // Evaluates one frame by the network's `reconstruction_rad` (rms over joints) and the hips'
+  // rotation relative to the world. `dt_s`: time since the frame before. `first`: there was none;
+  // no smoothing.
   STYLED_REALTIME void Follow(float reconstruction_rad, const body::Quat& hips, float dt_s,
                               bool first, const Options& options) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = Domain(); }

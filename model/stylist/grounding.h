@@ -23,8 +23,8 @@ STYLED_REALTIME float GroundShift_m(const rig::Binding& input_binding, const rig
                                     const rig::Binding& binding,
                                     const rig::RigPose& styled) noexcept;
 
-// What moves the hips of `pose` by `by_m`, canonical metres and axes: source units, in the frame of
-// the hips' parent.
+// The vector by which the hips of `pose` move for a shift of `by_m` (canonical metres and axes):
+// source units, in the frame of the hips' parent.
 STYLED_REALTIME rig::Vec3 HipsShift(const rig::Binding& binding, const body::Vec3& by_m,
                                     const rig::RigPose& pose) noexcept;
 // Moves the hips of `styled` by that.

@@ -75,7 +75,7 @@ InputGuard::Jump InputGuard::JudgeJump(double dt_s, float metres, const Options&
   return verdict;
 }
 
-// What is held is published: a pose that no input could be is refused.
+// A held pose is published, so a pose that is not plausible is refused.
 void InputGuard::Carry(Checkpoint& c) noexcept {
   c(clean_, last_, last_clean_, candidate_);
   c.Within(candidate_frames_, 0, kMostFrames);

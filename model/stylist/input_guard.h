@@ -1,7 +1,6 @@
 #pragma once
 
 #include <bitset>
-#include <cstdint>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
@@ -26,7 +25,7 @@ class InputGuard {
                                      std::bitset<256>& held) noexcept;
 
   enum class Jump { kNone, kHeld, kAccepted };
-  // Judges the root's step from the last accepted pose. `metres`: the length of one source unit.
+  // Checks the root's step from the last accepted pose. `metres`: the length of one source unit.
   // kHeld: `source` and clean() are reset to the last accepted pose. kAccepted: the new place has
   // been stable for options.jump_accept_frames frames, and a new session begins there.
   STYLED_REALTIME Jump JudgeJump(double dt_s, float metres, const Options& options,

@@ -21,7 +21,7 @@ namespace styled::stylist {
 // Pinned by tests/unit/stylist/interleaver_test.cpp.
 class Interleaver {
  public:
-  // Forgets everything but the allowance: the next frame counts as the first.
+  // Clears everything but the allowance: the next frame counts as the first.
   STYLED_REALTIME void Restart() noexcept;
 
   // Announces the frame at `time_ns`. Returns false if the caller must restart: the stream's rate

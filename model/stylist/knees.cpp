@@ -22,9 +22,9 @@ void KeepKnees(const body::Pose& in, float share, body::Pose& styled) noexcept {
     const auto knee = static_cast<std::size_t>(joint);
     const float own = Bend_rad(in.rotations[knee]);
     const float wanted = Bend_rad(styled.rotations[knee]);
-    // The bound is the performer's own backward bend, if any. `pushed` is what the rounded corner
-    // adds to a bend; its value at the performer's own bend is subtracted, so that an unstyled knee
-    // is unchanged. A knee bent far beyond what is possible is let go.
+    // The bound is the performer's own backward bend, if any. `pushed` is the bend that the rounded
+    // corner adds; its value at the performer's own bend is subtracted, so that an unstyled knee is
+    // unchanged. A knee bent far beyond what is possible is not corrected.
     const float least = -SoftPositive(-own, tuning::kKneeCorner_rad);
     const auto pushed = [least](float bend) {
       return SoftPositive(bend - least, tuning::kKneeCorner_rad) - (bend - least);

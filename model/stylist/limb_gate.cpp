@@ -23,8 +23,8 @@ constexpr auto kLimbOf = [] {
   return limbs;
 }();
 
-// Joints whose place tells how a limb is held. The others' place within their limb is fixed or says
-// the same, and some rigs' toes turn over.
+// Joints whose positions show the pose of a limb. Other joints are fixed within their limb or
+// redundant, and some rigs' toes turn over.
 constexpr bool IsMeasured(int joint) {
   switch (joint) {
     case body::kChest:
@@ -117,9 +117,9 @@ PerLimb LimbGate::Unusual(const PerLimb& errors_m, float dt_s) noexcept {
 
 void LimbGate::Hold(const PerLimb& errors_m, bool first, const net::GateBounds& bounds) noexcept {
   for (std::size_t limb = 0; limb < kLimbCount; ++limb) {
-    // Beyond the end nothing changes: what a limb was worst at must not delay its return.
+    // Beyond the end nothing changes: a limb's largest error must not delay its return.
     const float most_m = RangeOf(limb, bounds).end_m + tuning::kGateBand_m;
-    const float error_m = errors_m[limb] <= most_m ? errors_m[limb] : most_m;  // NaN: the most
+    const float error_m = errors_m[limb] <= most_m ? errors_m[limb] : most_m;  // NaN: the largest
     float& held_m = held_m_[limb];
     held_m = first ? error_m : std::clamp(held_m, error_m, error_m + tuning::kGateBand_m);
   }

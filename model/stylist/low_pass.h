@@ -22,7 +22,7 @@ using StyleDelta = Eigen::Matrix<float, 3, kRise + 1>;
 class LowPass {
  public:
   // Moves toward `target`, which was constant since the call `dt_s` before. `delay_s`: the delay of
-  // slow changes; 0 sets the output to the target and forgets the past.
+  // slow changes; 0 sets the output to the target and clears the past.
   STYLED_REALTIME void Follow(const StyleDelta& target, double dt_s, float delay_s) noexcept;
 
   // Sets the output to exactly zero once it is too small to see.

@@ -34,11 +34,11 @@ class Mixer {
   // The style that the performer is assumed to move in. A new one is used at once; neutral only
   // after the fade.
   int input_style() const { return input_style_; }
-  // 0 .. 1: how far any style, even neutral, is in effect; and the share of the absolute output in
-  // place of the detail-preserving one.
+  // 0 .. 1: how far any style, even neutral, is in effect; and the share of the absolute output
+  // instead of the detail-preserving one.
   float presence() const { return presence_.value; }
   float absolute() const { return absolute_.value; }
-  // 0 .. 1: the share of the style's speed that the way over the floor has (Root::kStride).
+  // 0 .. 1: the share of the style's speed that the path over the floor has (Root::kStride).
   float stride() const { return stride_.value; }
   // 0 .. 1: the share of the style that a part of the body shows. whole(): all parts show all of
   // it.

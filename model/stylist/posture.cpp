@@ -1,7 +1,6 @@
 #include "model/stylist/posture.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/base/smooth.h"
 #include "model/stylist/tuning.h"
@@ -13,7 +12,7 @@ using body::Pose;
 using body::Quat;
 using body::WorldPose;
 
-// 0 .. 1: whether a body is one to which a carriage belongs.
+// 0 .. 1: whether the body's pose is one to which a carriage applies.
 float Stands(const Pose& input) noexcept {
   WorldPose world;
   body::ForwardKinematics(input, world);
@@ -24,7 +23,7 @@ float Stands(const Pose& input) noexcept {
          SmoothStep(height_m, tuning::kPostureCrouches_m, tuning::kPostureSits_m);
 }
 
-// A collar's rotation against the hips.
+// A collar's rotation relative to the hips.
 Quat Collar(const Pose& pose, std::size_t collar) noexcept {
   return pose.rotations[body::kSpine] * pose.rotations[body::kChest] * pose.rotations[collar];
 }
@@ -57,8 +56,8 @@ void PostureKeeper::Follow(const net::Styles& styles, const Mixer& mixer, const 
     const auto column = static_cast<Eigen::Index>(i);
     shown_.col(column) += new_share * (change.col(net::kPostureJoints[i]) - shown_.col(column));
   }
-  // The share of the posture that is shown, as its projection. A style that sets in is compared
-  // with a posture that sets in.
+  // The share of the posture that the change of style already shows, as its projection. A style
+  // that sets in is compared with a posture that sets in.
   const float size = wanted_.squaredNorm();
   float lacks = 0;
   if (size > tuning::kNoPosture_rad * tuning::kNoPosture_rad) {

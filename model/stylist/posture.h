@@ -12,21 +12,21 @@
 
 namespace styled::stylist {
 
-// Keeps the carriage of a style where the network does not show it: whoever is old kicks, waits and
-// sits bowed, too. The trunk, the head and the collars are turned by the style's posture
-// (net::StyleInfo::posture), as far as the change of style over the last half second lacks it. The
-// upper arms keep their direction in the world, so that the act stays what it is. Nothing is added
-// to a performer who lies, crouches deeply, bends far or hangs upside down. Styles without a
-// posture have none. It sets in and ends within a second, in a fall within a third of one. Value
-// type, no allocation; one thread at a time. Pinned by tests/unit/stylist/posture_test.cpp.
+// Keeps the carriage of a style when the network does not show it: an old person also kicks, waits
+// and sits bowed. The trunk, the head and the collars are turned by the part of the style's posture
+// (net::StyleInfo::posture) that the change of style of the last half second lacks. The upper arms
+// keep their direction in the world, so that the act stays the same. Nothing is added to a
+// performer who lies, crouches deeply, bends far or hangs upside down, or for styles without a
+// posture. It sets in and ends within a second, in a fall within a third of one. Value type, no
+// allocation; one thread at a time. Pinned by tests/unit/stylist/posture_test.cpp.
 class PostureKeeper {
  public:
-  // Judges one frame, `dt_s` after the one before. `change`: the change of style that is applied in
-  // it. `amount`, 0 .. 1: the share of what lacks that is added.
+  // Evaluates one frame, `dt_s` after the one before. `change`: the change of style that is applied
+  // in it. `amount`, 0 .. 1: the share of the missing posture that is added.
   STYLED_REALTIME void Follow(const net::Styles& styles, const Mixer& mixer,
                               const StyleDelta& change, const body::Pose& input, float amount,
                               float dt_s) noexcept;
-  // Adds it to a pose that has that change.
+  // Adds the posture to a pose that has that change.
   STYLED_REALTIME void Apply(body::Pose& styled) const noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = PostureKeeper(); }
 
@@ -45,9 +45,9 @@ class PostureKeeper {
   static Turns Wanted(const net::Styles& styles, const Mixer& mixer) noexcept;
 
   Turns shown_ = Turns::Zero(), wanted_ = Turns::Zero();  // means over the last half second
-  Turns turns_ = Turns::Zero();                           // that are added in this frame
-  CriticallyDamped share_;                                // of the posture, that is added
-  CriticallyDamped stands_;  // 0 .. 1: a body to which a carriage belongs
+  Turns turns_ = Turns::Zero();                           // added in this frame
+  CriticallyDamped share_;                                // share of the posture that is added
+  CriticallyDamped stands_;  // 0 .. 1: the pose is one to which a carriage applies
 };
 
 }  // namespace styled::stylist

@@ -94,7 +94,8 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
     unsound_ = true;
     return;
   }
-  // The hips' rotations of a prediction are relative to the heading: compare the input there.
+  // The hips' rotations of a prediction are relative to the heading: compare the input in that
+  // frame.
   const Quat heading_from_world = body::Yaw(-out.heading_rad);
   StyleDelta& delta = deltas_[static_cast<std::size_t>(step.state)];
   std::array<Quat, kJointCount> inputs = step.pose->rotations;
@@ -106,7 +107,7 @@ void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& n
     delta.col(static_cast<Eigen::Index>(joint)) =
         body::LogNear(reconstruction.conjugate() * out.styled.rotations[joint],
                       near.col(static_cast<Eigen::Index>(joint)));
-    // Toes tell nothing about a posture, and some rigs' toes turn over.
+    // Toes carry no information about a posture, and some rigs' toes turn over.
     const bool toes = joint == body::kLeftToes || joint == body::kRightToes;
     if (!toes) error2 += body::Log(input.conjugate() * reconstruction).squaredNorm();
   }

@@ -16,15 +16,15 @@
 
 namespace styled::stylist {
 
-// Step 2 of the stylist for one performer: finds the recurrent states that are due, gives the pose
-// at each one's tick, and turns their predictions into style deltas. StepTogether (batch.h) calls
-// the network itself. Construction allocates; nothing else does. One thread at a time. Pinned by
-// tests/unit/stylist/stylist_test.cpp.
+// Step 2 of the stylist for one performer: finds the recurrent states that are due, returns the
+// pose at each one's tick, and turns their predictions into style deltas. StepTogether (batch.h)
+// calls the network itself. Construction allocates; nothing else does. One thread at a time. Pinned
+// by tests/unit/stylist/stylist_test.cpp.
 class Predictor {
  public:
   explicit Predictor(std::shared_ptr<const net::Stylizer> network);
 
-  // Goes on with `network`, which must share streams with the one before.
+  // Continues with `network`, which must share streams with the former one.
   void Adopt(std::shared_ptr<const net::Stylizer> network) noexcept;
 
   // Restarts all states and ticks.
@@ -37,7 +37,7 @@ class Predictor {
   // Announces the frame at `time_ns`. If false, call Restart and then Begin again
   // (Interleaver::Begin).
   [[nodiscard]] STYLED_REALTIME bool Begin(std::int64_t time_ns) noexcept;
-  // Lets the frame's ticks pass without a step; the states are as after a restart then.
+  // Skips the frame's ticks without a step; the states are then as after a restart.
   STYLED_REALTIME void Skip() noexcept;
   // Ends the frame; `input`: its canonical pose.
   STYLED_REALTIME void End(const body::Pose& input) noexcept;
@@ -53,8 +53,8 @@ class Predictor {
   [[nodiscard]] STYLED_REALTIME bool Next(const body::Pose& input, Step& step) noexcept;
   // The network's job for `step`, in the styles in effect. `step` must outlive the job.
   STYLED_REALTIME net::StepJob JobOf(Step& step, const Mixer& mixer) const noexcept;
-  // Takes the prediction in `step`. `near` decides which way round a rotation beyond 90 degrees is
-  // counted (body::LogNear).
+  // Applies the prediction in `step`. `near` decides which way round a rotation beyond 90 degrees
+  // is counted (body::LogNear).
   STYLED_REALTIME void Accept(const Step& step, const Mixer& mixer,
                               const StyleDelta& near) noexcept;
 

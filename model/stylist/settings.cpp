@@ -1,6 +1,7 @@
 #include "model/stylist/settings.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace styled::stylist {
 namespace {
@@ -43,6 +44,9 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
 }
 
 void Settings::Carry(Checkpoint& c, int style_count) noexcept {
+  // All members, so that a new one does not compile until it is handed over here.
+  auto& [mix, strength, transition_s, absolute, parts, root, input_style, variation, vary_amount,
+         drift_s] = *this;
   for (net::StyleWeight& style : mix) c(style.style, style.weight);
   c(strength, transition_s, absolute, parts);
   bool strides = root == Root::kStride;
@@ -52,51 +56,27 @@ void Settings::Carry(Checkpoint& c, int style_count) noexcept {
   if (c.reads() && c.ok() && Validate(*this, style_count) != SettingsError::kNone) c.Refuse();
 }
 
-OptionsError Options::Validate() const noexcept {
-  if (!IsIn(change_tau_s, 0, 1)) return OptionsError::kChangeTau;
-  if (!IsIn(gap_reset_s, 0.01F, 10)) return OptionsError::kGapReset;
-  if (!IsIn(restart_fade_s, 0, 5)) return OptionsError::kRestartFade;
-  if (!IsIn(jump_m, 0.1F, 100)) return OptionsError::kJump;
-  if (jump_accept_frames < 1 || jump_accept_frames > 1000) return OptionsError::kJumpAccept;
-  if (!(out_of_domain_begin_rad >= 0 && out_of_domain_begin_rad < out_of_domain_end_rad)) {
-    return OptionsError::kOutOfDomain;
+Status Options::Validate() const {
+  const std::pair<bool, const char*> rules[] = {
+      {IsIn(change_tau_s, 0, 1), "change_tau: expected 0 to 1 s"},
+      {IsIn(gap_reset_s, 0.01F, 10), "gap_reset: expected 0.01 to 10 s"},
+      {IsIn(restart_fade_s, 0, 5), "restart_fade: expected 0 to 5 s"},
+      {IsIn(jump_m, 0.1F, 100), "jump_m: expected 0.1 to 100"},
+      {jump_accept_frames >= 1 && jump_accept_frames <= 1000,
+       "jump_accept_frames: expected 1 to 1000"},
+      {out_of_domain_begin_rad >= 0 && out_of_domain_begin_rad < out_of_domain_end_rad,
+       "out_of_domain_begin_rad: expected 0 or more, less than out_of_domain_end_rad"},
+      {IsIn(out_of_domain_fade_s, 0, 10), "out_of_domain_fade: expected 0 to 10 s"},
+      {tilt_begin_rad >= 0 && tilt_begin_rad < tilt_end_rad,
+       "tilt_begin_rad: expected 0 or more, less than tilt_end_rad"},
+      {IsIn(posture, 0, 1), "posture: expected 0 to 1"},
+      {IsIn(ground_tau_s, 0, 1), "ground_tau: expected 0 to 1 s"},
+      {feet::IsValid(feet_options),
+       "feet: expected options in their ranges (model/feet/options.h)"}};
+  for (const auto& [holds, expected] : rules) {
+    if (!holds) return Status::Error(expected);
   }
-  if (!IsIn(out_of_domain_fade_s, 0, 10)) return OptionsError::kOutOfDomainFade;
-  if (!(tilt_begin_rad >= 0 && tilt_begin_rad < tilt_end_rad)) return OptionsError::kTilt;
-  if (!IsIn(posture, 0, 1)) return OptionsError::kPosture;
-  if (!IsIn(ground_tau_s, 0, 1)) return OptionsError::kGroundTau;
-  if (feet::Validate(feet_options) != feet::OptionsError::kNone) return OptionsError::kFeet;
-  return OptionsError::kNone;
-}
-
-const char* Expectation(OptionsError error) noexcept {
-  switch (error) {
-    case OptionsError::kNone:
-      return "";
-    case OptionsError::kChangeTau:
-      return "change_tau: expected 0 to 1 s";
-    case OptionsError::kGapReset:
-      return "gap_reset: expected 0.01 to 10 s";
-    case OptionsError::kRestartFade:
-      return "restart_fade: expected 0 to 5 s";
-    case OptionsError::kJump:
-      return "jump_m: expected 0.1 to 100";
-    case OptionsError::kJumpAccept:
-      return "jump_accept_frames: expected 1 to 1000";
-    case OptionsError::kOutOfDomain:
-      return "out_of_domain_begin_rad: expected 0 or more, less than out_of_domain_end_rad";
-    case OptionsError::kOutOfDomainFade:
-      return "out_of_domain_fade: expected 0 to 10 s";
-    case OptionsError::kTilt:
-      return "tilt_begin_rad: expected 0 or more, less than tilt_end_rad";
-    case OptionsError::kPosture:
-      return "posture: expected 0 to 1";
-    case OptionsError::kGroundTau:
-      return "ground_tau: expected 0 to 1 s";
-    case OptionsError::kFeet:
-      return "feet: expected options in their ranges (model/feet/options.h)";
-  }
-  return "";
+  return Status::Ok();
 }
 
 }  // namespace styled::stylist

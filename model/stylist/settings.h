@@ -4,6 +4,7 @@
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
+#include "model/base/status.h"
 #include "model/body/parts.h"
 #include "model/feet/options.h"
 #include "model/net/styles.h"
@@ -17,7 +18,7 @@ namespace styled::stylist {
 // Where the styled body is on the floor.
 enum class Root {
   kFollow,  // where the performer is
-  kStride,  // the performer's way, scaled by what the style does to speed (stride.h)
+  kStride,  // the performer's path, scaled by the style's effect on speed (stride.h)
 };
 
 // The style of one performer. `mix` holds numbers and weights of the network's styles; the weights
@@ -27,17 +28,17 @@ struct Settings {
   std::array<net::StyleWeight, net::kMaxMix> mix;  // unused entries have style -1
   float strength = 1.0F;                           // 0 .. net::kMaxStrength; 0 fades to bypass
   // 0 .. net::kMaxTransition_s; fade from the settings before
-  float transition_s = tuning::kTransition_s;
+  float transition_s = net::kUsualTransition_s;
   bool absolute = false;                // the paper's output instead of the detail-preserving one
   body::Parts parts = body::kAllParts;  // other parts stay as captured; not empty
-  Root root = Root::kFollow;            // back to kFollow: from the place reached so far
+  Root root = Root::kFollow;            // back to kFollow: from the offset reached so far
   int input_style = 0;  // style of the captured motion, which is removed; 0: neutral
-  // The variation in which styles are shown that have any (net::StyleInfo::varies): 0, the style
-  // itself, to net::kVariations. And how far it is from the style: 0 .. net::kMaxStrength.
+  // The variation of styles that have any (net::StyleInfo::varies): 0, the style itself, to
+  // net::kVariations. And its distance from the style: 0 .. net::kMaxStrength.
   int variation = 0;
   float vary_amount = 1;
-  // 0 .. net::kMaxDrift_s; the time in which it wanders to the next one, 0: it stays. Times below
-  // tuning::kFastestDrift_s count as that.
+  // 0 .. net::kMaxDrift_s; the time in which the variation changes to the next one, 0: constant.
+  // Times below tuning::kFastestDrift_s count as that.
   float drift_s = 0;
 
   // See model/base/checkpoint.h. Refuses what does not pass Validate.
@@ -64,26 +65,10 @@ enum class SettingsError {
 // `style_count`: the network's number of styles, neutral included.
 [[nodiscard]] SettingsError Validate(const Settings& settings, int style_count) noexcept;
 
-// The first rule that options break, named after the field; NaN breaks every rule.
-enum class OptionsError {
-  kNone,
-  kChangeTau,        // change_tau_s outside 0 .. 1
-  kGapReset,         // gap_reset_s outside 0.01 .. 10
-  kRestartFade,      // restart_fade_s outside 0 .. 5
-  kJump,             // jump_m outside 0.1 .. 100
-  kJumpAccept,       // jump_accept_frames outside 1 .. 1000
-  kOutOfDomain,      // not 0 <= out_of_domain_begin_rad < out_of_domain_end_rad
-  kOutOfDomainFade,  // out_of_domain_fade_s outside 0 .. 10
-  kTilt,             // not 0 <= tilt_begin_rad < tilt_end_rad
-  kPosture,          // posture outside 0 .. 1
-  kGroundTau,        // ground_tau_s outside 0 .. 1
-  kFeet,             // feet_options do not pass feet::Validate
-};
-
 // How streams are processed; the same for all performers. The defaults are those of styled.toml;
-// model/stylist/tuning.h tells where they come from.
+// model/stylist/tuning.h has their sources.
 struct Options {
-  // Delay of the low-pass on the style delta; it grows where the network reconstructs badly
+  // Delay of the low-pass on the style delta; it grows while the network reconstructs badly
   // (ChangeFilter). 0: none.
   float change_tau_s = tuning::kChangeTau_s;
   // A longer hole in source time, or one of more than kMaxStepsPerFrame network steps, restarts the
@@ -91,8 +76,8 @@ struct Options {
   float gap_reset_s = tuning::kGapReset_s;
   // Duration of the cross-fade over such a restart.
   float restart_fade_s = tuning::kRestartFade_s;
-  // A root step beyond this (and beyond 12 m/s) is held, canonical metres. After so many consistent
-  // frames it is accepted.
+  // A root step beyond this (and beyond 12 m/s) is held, canonical metres. After this many
+  // consistent frames it is accepted.
   float jump_m = tuning::kJump_m;
   int jump_accept_frames = tuning::kJumpAcceptFrames;
   // Reconstruction error at which the style begins to fade out and at which it is gone; and the
@@ -103,11 +88,12 @@ struct Options {
   // The same for the hips' tilt off upright (falls, lying), within tuning::kTiltFade_s.
   float tilt_begin_rad = tuning::kTiltBegin_rad;
   float tilt_end_rad = tuning::kTiltEnd_rad;
-  // The network sees the performer as its own would hold themselves (model/neutral/neutral.h).
+  // Shows the network the performer with the carriage of its own performers
+  // (model/neutral/neutral.h).
   bool neutral = true;
-  // A limb that does what the network does not know keeps its own motion (limb_gate.h).
+  // A limb in a motion that the network does not know keeps its own motion (limb_gate.h).
   bool limb_gate = true;
-  // The share of a style's posture that is kept where the network does not show it (posture.h); 0:
+  // The share of a style's posture that is kept when the network does not show it (posture.h); 0:
   // none.
   float posture = 1;
   // Time constant of the vertical shift of `ground`; 0: none.
@@ -116,18 +102,16 @@ struct Options {
   bool ground = true;          // the lowest foot is as high as the input's (grounding.h)
   bool feet = true;            // planted feet are held in place (feet.h)
   feet::Options feet_options;  // for `feet`
-  // For a caller who then warps time by Output::cadence, so that steps come as often as the
-  // style's: what a stride scales is then the length of steps (ChangeOfGait). Never live, where
-  // time is the performer's.
+  // For a caller who then warps time by Output::cadence, so that steps come as often as in the
+  // style. A stride then scales only the length of steps (ChangeOfGait). Never live, where time is
+  // the performer's.
   bool own_cadence = false;
   bool bypass = true;  // false: bind and unbind every pose, even without a style
 
-  [[nodiscard]] OptionsError Validate() const noexcept;
+  // Names the first field that breaks a rule, and what was expected. NaN breaks every rule.
+  Status Validate() const;
 
   friend bool operator==(const Options&, const Options&) = default;
 };
-
-// What the field named by `error` must be, for messages; "" for kNone.
-const char* Expectation(OptionsError error) noexcept;
 
 }  // namespace styled::stylist

@@ -19,28 +19,28 @@ Stride::Step Stride::Measure(const Vec3& hips_m, double dt_s, double hole_s) noe
   if (first || !(dt_s > 0)) return Step::kNone;
   const auto dt = static_cast<float>(dt_s);
   if (dt_s >= hole_s || !(step_m_.norm() <= tuning::kRunningFast_mps * dt)) {
-    seen_ = 0;  // the velocity of before tells nothing
+    seen_ = 0;  // the former velocity is useless
     return Step::kNone;
   }
-  // An average whose past is as long as the session, so that a session that begins in mid-stride
-  // does not begin with the speed of standing.
+  // An average over at most the session, so that a session that begins in mid-stride does not begin
+  // with the speed of standing.
   const float share = DecayShare(dt, tuning::kStrideSpeed_s);
   seen_ += share * (1 - seen_);
   // Frames some nanoseconds apart have no share at all.
   if (seen_ > 0) velocity_mps_ += share / seen_ * (step_m_ / dt - velocity_mps_);
-  return Step::kTaken;
+  return Step::kAccepted;
 }
 
 namespace {
 
-// Wherever a performer gets on foot within days; beyond, a float's steps are seen.
+// Farther than any performer walks within days; beyond, a float's steps are visible.
 constexpr double kFarthest_m = 1e5;
 
 // A factor that follows exp(`log_target`), and is exactly 1 where it settles at 1.
 float FollowFactor(CriticallyDamped& log_factor, float log_target, float dt_s,
                    float tau_s) noexcept {
-  // Where a stage's state is not sound, which the output will show, the way stays the performer's:
-  // what it gained once would stay.
+  // If a stage's state is not sound, which the output will show, the path stays the performer's,
+  // because a gained offset would remain.
   if (!std::isfinite(log_target)) log_target = 0;
   const float log = log_factor.Follow(log_target, dt_s, tau_s);
   if (log_target == 0 && std::abs(log) < tuning::kStrideSettled) log_factor.Start(0);
@@ -59,13 +59,13 @@ void Stride::Scale(const GaitChange& change, float dt_s, float settle_s) noexcep
   travel_.along = velocity_mps_ / std::max(speed_mps(), tuning::kStrideStanding_mps);
 }
 
-// What has been gained is added to the performer's own place, even where nothing is styled.
+// The gained offset is added to the performer's own place, even if nothing is styled.
 void Stride::Carry(Checkpoint& c) noexcept {
   c(gained_m_, last_m_, step_m_, velocity_mps_, seen_, placed_, log_factor_, log_cadence_, factor_,
     cadence_, travel_);
   if (!c.reads() || !c.ok()) return;
   const auto finite = [](float value) { return std::isfinite(value); };
-  // Its speed is seen in the next value. Beyond it the factor would overflow.
+  // The next value shows its speed. Beyond it the factor would overflow.
   const auto bounded = [](CriticallyDamped log) {
     constexpr float kMost = 10;
     return std::abs(log.value()) <= kMost && std::abs(log.Follow(0, 0.01F, 1)) <= kMost;
@@ -81,10 +81,10 @@ void Stride::Carry(Checkpoint& c) noexcept {
 
 namespace {
 
-// The logarithm of x / y; 0 where either was not measured.
+// The logarithm of x / y; 0 if either was not measured.
 float LogRatio(float x, float y) noexcept { return x > 0 && y > 0 ? std::log(x / y) : 0; }
 
-// How a speed compares with those of the style that the performer moves in.
+// The performer's speed in relation to the speeds of their own style.
 struct Gait {
   Gait(const net::StyleInfo& own, const net::StyleInfo& neutral, float speed_mps) noexcept;
 
@@ -93,7 +93,7 @@ struct Gait {
 };
 
 Gait::Gait(const net::StyleInfo& own, const net::StyleInfo& neutral, float speed_mps) noexcept {
-  // A gait that the style lacks is neutral's.
+  // A gait that the style lacks is replaced by neutral's.
   const float walk_mps = own.walk_mps > 0 ? own.walk_mps : neutral.walk_mps;
   const float run_mps =
       std::max(own.run_mps > 0 ? own.run_mps : neutral.run_mps, tuning::kStrideLeastRun * walk_mps);
@@ -108,7 +108,7 @@ Gait::Gait(const net::StyleInfo& own, const net::StyleInfo& neutral, float speed
   faster_run = faster(run_mps);
 }
 
-// A figure of each style that a change of gait is computed from.
+// A figure of each style, from which a change of gait is computed.
 struct Figure {
   float net::StyleInfo::*walk;
   float net::StyleInfo::*run;
@@ -120,7 +120,7 @@ constexpr Figure kSpeed{&net::StyleInfo::walk_mps, &net::StyleInfo::run_mps,
 constexpr Figure kCadence{&net::StyleInfo::walk_spm, &net::StyleInfo::run_spm, 0,
                           tuning::kLeastCadence, tuning::kMostCadence};
 
-// The logarithm of the factor of `figure` that the styles in force ask for at a speed.
+// The logarithm of the factor of `figure` that the active styles have at a speed.
 float LogFactor(const Figure& figure, const net::Styles& styles, const Mixer& mixer,
                 float speed_mps) noexcept {
   if (styles.empty() || styles[0].walk_mps <= 0 || styles[0].run_mps <= 0) return 0;

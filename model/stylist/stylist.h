@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
@@ -28,6 +27,14 @@ enum Flag : std::uint32_t {  // the bits of styled.v1.Flag that the stylist deci
   kFailed = 256,  // with kBypass: the styled pose was not sound, see Process
 };
 
+// Why a frame is kFailed: which pose was not sound. The numbers are those of styled.v1.Failure.
+enum class Failure : std::uint8_t {
+  kNone,
+  kPrediction,  // what the network predicted, in this frame or in the last one that had a step
+  kCanonical,   // the styled pose on the canonical body
+  kRig,         // the styled pose on the rig's skeleton
+};
+
 // Limit of network steps in one frame, whatever the source's clock does. 60 bridge a gap of 0.25 s
 // at 240 Hz.
 inline constexpr int kMaxStepsPerFrame = 64;
@@ -40,26 +47,28 @@ inline constexpr int kMeanStepsPerFrame = 8;
 struct Output {
   body::Pose canonical;
   body::Pose canonical_input;  // the bound input, before the style
-  // The styled pose on the source skeleton; in bypass the input, bit for bit, but for the hips'
+  // The styled pose on the source skeleton; in bypass the input, bit for bit, except for the hips'
   // place after a Root::kStride.
   rig::RigPose rig;
   rig::RigPose source;    // the input on the source skeleton, with bad joints held
   std::bitset<256> held;  // source joints whose input was bad
   std::uint32_t flags = 0;
+  Failure failure = Failure::kNone;  // with kFailed
   // How many steps the style takes in the time of one of the performer's, smoothed: time is to pass
   // so many times as fast. 1 without Options::own_cadence, and where the performer stands.
   float cadence = 1;
-  feet::Travel travel;  // how far the styled hips are off the performer's, and how steps differ
+  feet::Travel travel;  // offset of the styled hips from the performer's, and the difference of
+                        // their steps
   std::uint32_t contacts = 0;  // bit 0 left, bit 1 right: the performer's own foot is planted
   std::array<net::StyleWeight, net::kMaxActive> in_force;  // styles and weights in this frame
   int in_force_count = 0;
   int steps = 0;                 // network steps of this frame, at most kMaxStepsPerFrame
   float reconstruction_rad = 0;  // rms joint angle between reconstruction and input, without toes
-  // By how much the style turns a joint of the canonical body against its parent, mean of all
-  // joints, rad; before planted feet are held. 0 in bypass.
+  // The angle by which the style turns a joint of the canonical body relative to its parent, mean
+  // of all joints, rad; before planted feet are held. 0 in bypass.
   float turned_rad = 0;
-  // Per limb: the reconstruction's distance from the input, m, and the share of the style that the
-  // limb shows for it, 0 .. 1 (limb_gate.h).
+  // Per limb: the reconstruction's distance from the input, m, and the resulting share of the style
+  // that the limb shows, 0 .. 1 (limb_gate.h).
   PerLimb limb_errors_m{}, limb_weights{1, 1, 1, 1, 1};
 
   explicit Output(const rig::Skeleton& skeleton) : rig(skeleton), source(skeleton) {}
@@ -83,33 +92,33 @@ class Stylist {
   const Settings& settings() const;
   // Whether the style is in effect, is faded in or out, or is the performer's own.
   bool Names(int style) const noexcept;
-  // The performer's neutral. What is known of it, to be kept, and from where this stylist goes on:
-  // what an earlier one, or a whole clip, has told. Nothing is known with a network that has no
-  // reference, and without Options::neutral.
+  // The performer's neutral: its learned state, to be stored; and the state with which this stylist
+  // starts, from an earlier one or a whole clip. Empty for a network without a reference, and
+  // without Options::neutral.
   bool has_neutral() const;
   const neutral::Neutral& neutral() const;
   STYLED_REALTIME neutral::Known Tell() const noexcept;
   STYLED_REALTIME void Know(const neutral::Known& known) noexcept;
-  // As of neutral::Neutral.
+  // As in neutral::Neutral.
   STYLED_REALTIME void CalibrateNeutral(float seconds) noexcept;
   STYLED_REALTIME void ForgetNeutral() noexcept;
-  // While it rests it runs no step of the network as soon as nothing is styled any more: set
-  // settings without a style, too. Without a rest the network follows the performer in bypass, so
-  // that a style sets in as it goes on; after one it begins anew. Not part of Carry.
+  // While resting, the stylist runs no step of the network once nothing is styled any more; set
+  // settings without a style, too. Otherwise the network follows the performer in bypass, so that a
+  // style sets in smoothly; after a rest it restarts. Not part of Carry.
   STYLED_REALTIME void Rest(bool rests) noexcept;
 
-  // Goes on with a network that shares streams with this one (net::Stylizer::SharesStreams): its
-  // list of styles may be another, its motion goes on. Set may then name its styles.
+  // Continues with a network that shares streams with this one (net::Stylizer::SharesStreams): its
+  // list of styles may differ, and the motion continues. Set may then name its styles.
   void Adopt(std::shared_ptr<const net::Stylizer> network) noexcept;
 
-  // Clears recurrent state, held values, filters and what Root::kStride has gained; keeps the
+  // Clears recurrent state, held values, filters and the offset of Root::kStride; keeps the
   // settings, the style weights in effect and the performer's neutral.
   STYLED_REALTIME void Reset() noexcept;
 
-  // Hands over the whole state (model/base/checkpoint.h), settings included, to a stylist of the
-  // same network, skeleton and options. Refuses the streams of another network's families, sizes
-  // and styles; other weights of the same shape are for the caller to tell. After a refused reading
-  // the stylist must be made anew.
+  // Passes the whole state (model/base/checkpoint.h), settings included, to a stylist of the same
+  // network, skeleton and options. Refuses streams of another family, size or list of styles; the
+  // caller must detect other weights of the same shape. After a refused reading the stylist must be
+  // constructed again.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 
   // Styles one frame. `time_ns` is source time and must be greater than the last frame's (the
@@ -128,7 +137,7 @@ class Stylist {
     const rig::RigPose* in = nullptr;
     Output* out = nullptr;
   };
-  static constexpr std::size_t kTogether = 16;  // jobs processed at a time
+  static constexpr std::size_t kTogether = net::kTogether;  // jobs processed at a time
   STYLED_REALTIME static void ProcessTogether(std::span<const Job> jobs) noexcept;
 
  private:
@@ -142,13 +151,13 @@ class Stylist {
 // Brings the code and data of a stylist's next Process into the caches, because between two frames
 // of 120 Hz everything else on the machine evicts them. It is a second stylist of the same network
 // and skeleton, with streams of its own, that processes the first one's last pose again. The first
-// one's results do not change. Useful live only. Construction allocates: as much as a stylist, half
-// a megabyte to two. So the stylists of a thread share one where their skeletons have as many
-// joints. Must be used on the stylists' thread. Pinned by tests/unit/stylist/stylist_test.cpp.
+// one's results do not change. Only useful live. Construction allocates as much as a stylist, half
+// a megabyte to two, so the stylists of a thread share one if their skeletons have as many joints.
+// Must be used on the stylists' thread. Pinned by tests/unit/stylist/stylist_test.cpp.
 class Rehearsal {
  public:
-  // That of this thread's stylists with this network and as many joints, made with `options` if
-  // there is none yet: other options need the same code and data.
+  // The one for this thread's stylists with this network and number of joints, made with `options`
+  // if there is none yet: other options need the same code and data.
   static std::shared_ptr<Rehearsal> Shared(const std::shared_ptr<const net::Stylizer>& network,
                                            const std::shared_ptr<const rig::Binding>& binding,
                                            const Options& options);

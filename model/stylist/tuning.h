@@ -2,12 +2,12 @@
 
 #include "model/feet/tuning.h"
 
-// The constants that decide how a styled stream looks: value, unit, what a larger value trades for
-// what, and the figure that picked it. The figures are from styleeval on the validation clips of
+// The constants that decide how a styled stream looks: value, unit, the trade-off of a larger
+// value, and the figure that picked it. The figures are from styleeval on the validation clips of
 // set 2 with the weights named, unless said otherwise (v0 and v1 came before v2: the same network,
-// narrower; no longer in the tree). "Jerk" is the output's over the input's;
-// "another rig" means the clips of Xia et al. (model/weights/README.md, RESULTS.md). "No
-// measurement on record" means that nobody varied the constant and noted the effect.
+// narrower; no longer in the tree). "Jerk" is the output's over the input's; "another rig" means
+// the clips of Xia et al. (model/weights/README.md, RESULTS.md). "No measurement on record" means
+// that the constant was not varied, or the effect not noted.
 namespace styled::stylist::tuning {
 
 // Style delta (change_filter.h, low_pass.h)
@@ -50,15 +50,12 @@ inline constexpr float kSwitchAcceleration_mps2 = 40.0F;
 inline constexpr float kSwitchHold_s = 0.5F;
 // Time after the end of its fade at which a switch is over, s. No measurement on record.
 inline constexpr float kSwitchTail_s = 0.6F;
-// The shortest time in which a style's variation wanders to the next, s: the whole body changes. No
+// The shortest time in which a style's variation changes to the next, s: the whole body changes. No
 // measurement on record.
 inline constexpr float kFastestDrift_s = 0.5F;
 // How far the body extends beyond joints without a child (hands, toes, crown), m. The length of a
 // hand; no measurement on record.
 inline constexpr float kEndReach_m = 0.1F;
-// Settings::transition_s, s: the fade of the weights. 0.4 threw an arm in one switch of nine and
-// made small changes late; 0.1 with the limit above does not.
-inline constexpr float kTransition_s = 0.1F;
 
 // Out of domain (domain.h)
 
@@ -71,10 +68,10 @@ inline constexpr float kOutOfDomainEnd_rad = 1.1F;
 inline constexpr float kOutOfDomainFade_s = 0.3F;
 // Tilt of the hips off upright, rad: 52 and 74 degrees. Larger: more of a bow is styled, and more
 // of a fall. Without it a style pushed a lying body up to 29 cm through the floor; with it, at most
-// 4.0 cm on the way down. Neighbouring values were not recorded.
-// kTiltFade_s is the time constant of that fade, s: whoever turns a cartwheel passes both within
-// some frames, and legs in their style jerk by 1.9 times the input's at 0.001, by 1.13 at
-// 0.03, 1.12 at 0.06 and 0.1. Larger: whoever falls is styled for longer.
+// 4.0 cm on the way down. Neighbouring values were not recorded. kTiltFade_s is the time constant
+// of that fade, s. A cartwheel passes both bounds within some frames, and legs in their style jerk
+// by 1.9 times the input's at 0.001, by 1.13 at 0.03, 1.12 at 0.06 and 0.1. Larger: a falling
+// performer is styled for longer.
 inline constexpr float kTiltFade_s = 0.03F;
 inline constexpr float kTiltBegin_rad = 0.9F;
 inline constexpr float kTiltEnd_rad = 1.3F;
@@ -94,21 +91,22 @@ inline constexpr float kTiltEnd_rad = 1.3F;
 // 0.3 to 0.6, in which its file has them: ten walks of ACCAD's two strangers show 0.78 and 0.98 of
 // a style in the legs, three runs 0.43 and 0.80; eleven of their kicks are as high, 1.00 and 1.00.
 
-// The most that the trunk loses where an arm loses all of its style. At 0 a bent back turned a
-// slash by 29 degrees though its arm was the performer's own; at 0.4 by 17, at 0.5 by 14, and the
-// trunk shows less on other rigs.
+// The most that the trunk loses when an arm loses all of its style. At 0 a bent back turned a slash
+// by 29 degrees though its arm was the performer's own; at 0.4 by 17, at 0.5 by 14, and the trunk
+// shows less on other rigs.
 inline constexpr float kGateTrunkWithArms = 0.4F;
-// What is usual for a performer (arms and trunk): a low quantile of a limb's errors, as a share of
-// frames; the speed at which it is learnt, m/s (up at a tenth of it, down at nine tenths); the
-// error that every performer has, m; and the most above that which does not count, m. Larger: more
-// style on other rigs, and more in rough acts that go on. At 0.015, 0.03 and 0.04 m/s set 1's acts
-// are 20.5, 24.8 and 32.9 degrees off at worst (18.5 without), the last with 0.08 m known at once;
-// Xia's strutting walk then shows 0.29 of the style in the left arm at its end instead of 0.01.
+// The errors that are usual for a performer (arms and trunk): a low quantile of a limb's errors, as
+// a share of frames; the speed at which it is learnt, m/s (up at a tenth of it, down at nine
+// tenths); the error that every performer has, m; and the most above that which does not count, m.
+// Larger: more style on other rigs, and more in rough acts that last. At 0.015, 0.03 and 0.04 m/s
+// set 1's acts are 20.5, 24.8 and 32.9 degrees off at worst (18.5 without), the last with 0.08 m
+// known at once; Xia's strutting walk then shows 0.29 of the style in the left arm at its end
+// instead of 0.01.
 inline constexpr float kGateQuantile = 0.1F;
 inline constexpr float kGateLearn_m_s = 0.015F;
 inline constexpr float kGateKnown_m = 0.04F;
 inline constexpr float kGateMostUsual_m = 0.08F;
-// A limb's error must fall by so much before its style returns, m. Larger: calmer, and less style
+// A limb's error must fall by this before its style returns, m. Larger: calmer, and less style
 // after an act. 0.02, 0.04 and 0.06 differ by 0.1 degrees in the mean.
 inline constexpr float kGateBand_m = 0.02F;
 // Time constant of the fade out, s. Larger: calmer, and more of a sudden act is spoilt. With an
@@ -121,33 +119,34 @@ inline constexpr float kGateOpen_s = 1.0F;
 
 // Posture (posture.h)
 
-// Time constant of the mean of what the network shows of a style's posture, s. Larger: an act is
-// longer without it, and steps and gestures move it less. No measurement on record.
+// Time constant of the mean of the posture that the network shows, s. Larger: an act is longer
+// without it, and steps and gestures move it less. No measurement on record.
 inline constexpr float kPostureMean_s = 0.5F;
 // With which it sets in, s. No measurement on record.
 inline constexpr float kPostureFade_s = 0.5F;
-// Time constant with which it ends where the body lies or crouches, s. A fall takes half a second.
+// Time constant with which it ends when the body lies or crouches, s. A fall takes half a second.
 // No measurement on record.
 inline constexpr float kPostureStands_s = 0.06F;
 // A network that shows this share of a posture lacks nothing. Larger: the posture is also added to
 // what the network shows well.
 inline constexpr float kPostureShown = 0.8F;
-// Postures of less than this, all joints together, are none: a ratio to them would mean nothing.
+// Postures of less than this, all joints together, count as none, because a ratio to them would be
+// meaningless.
 inline constexpr float kNoPosture_rad = 0.01F;
 // Cosine of the tilt of the line from the hips to the neck: none of the posture is added below the
-// first (70 degrees), all from the second on (45).
+// first (70 degrees), all above the second (45).
 inline constexpr float kPostureLies = 0.34F, kPostureUpright = 0.71F;
-// Height of the hips over the lower foot, canonical metres: none below the first, a deep crouch,
-// all from the second on, somebody on a low chair. Of 0.96 with straight legs.
+// Height of the hips over the lower foot, canonical metres: nothing is added below the first, a
+// deep crouch; everything above the second, a person on a low chair. 0.96 with straight legs.
 inline constexpr float kPostureCrouches_m = 0.25F, kPostureSits_m = 0.4F;
 
-// What is to be seen of a style (visible.h)
+// Visibility of a style (visible.h)
 
-// Mean way of a limb under which it is not, m. Larger: more seconds count as hardly styled. Chosen
-// by eye on strips of strangers; no measurement on record.
+// Mean displacement of a limb below which a style is not visible, m. Larger: more seconds count as
+// hardly styled. Chosen by eye on strips of strangers; no measurement on record.
 inline constexpr float kUnseen_m = 0.015F;
-// Weights times strength of which one expects to see something.
-inline constexpr float kAsksForMuch = 0.5F;
+// Sum of weights times strength from which a style is expected to be visible.
+inline constexpr float kVisibleRequest = 0.5F;
 
 // Time (interleaver.h, stylist.cpp)
 
@@ -230,12 +229,12 @@ inline constexpr float kStrideSettled = 1e-4F;
 // second on their way is scaled as in a walk. Shifts of weight reach 0.2 m/s, the slowest walks of
 // set 2 are above 0.5 of the mean walk.
 inline constexpr float kStrideStands = 0.15F, kStrideWalks = 0.5F;
-// Shares of the way from walking to running speed between which the walk's factor gives way to the
+// Shares of the interval from walking to running speed in which the walk's factor changes to the
 // run's. Neutral walks of set 2 are up to 0.07, runs down to 0.73.
 inline constexpr float kStrideRunBegins = 0.3F, kStrideRuns = 0.7F;
-// A style's run is that much faster than its walk at least, so that the two can be told apart.
+// A style's run is at least this much faster than its walk, so that the two can be distinguished.
 inline constexpr float kStrideLeastRun = 1.2F;
-// A style has a speed of its own, whoever shows it: over three parts of the takes of each style of
+// A style has a speed of its own, for any performer: over three parts of the takes of each style of
 // set 2 (first, middle and last third, which need not be the three actors) the logarithm of its
 // speed correlates with that of neutral's by 0.18 in walks and by -0.33 in runs (18 pairs each). So
 // this share of the performer's deviation from the usual speed (logarithms) is taken back, up to

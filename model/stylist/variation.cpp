@@ -9,7 +9,7 @@
 namespace styled::stylist {
 namespace {
 
-// 0 .. 1; 1 where there is no fade.
+// 0 .. 1; 1 without a fade.
 float Share(double elapsed_s, float duration_s) {
   return duration_s <= 0
              ? 1.0F
@@ -34,7 +34,7 @@ void Variation::Carry(Checkpoint& c) noexcept {
 
 void Variation::Aim(const Settings& settings, bool at_once) noexcept {
   const float duration_s = at_once ? 0 : settings.transition_s;
-  // The first knots are the variation itself, so that setting out is no jump; stopping is one.
+  // The first knots are the variation itself, so that starting causes no jump; stopping does.
   const bool stops = drift_s_ > 0 && settings.drift_s <= 0;
   if (settings.variation != variation_ || stops || at_once) {
     from_ = point_;
@@ -55,7 +55,7 @@ void Variation::Advance(double dt_s) noexcept {
   dt_s = std::max(0.0, dt_s);
   elapsed_s_ += dt_s;
   amount_elapsed_s_ += dt_s;
-  // A drift of next to no time passes more knots than can be numbered.
+  // A drift of almost no time passes more knots than can be numbered.
   if (drift_s_ > 0) {
     phase_ = std::min(phase_ + dt_s / static_cast<double>(drift_s_), kMostKnots);
   }

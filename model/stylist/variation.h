@@ -12,22 +12,22 @@
 
 namespace styled::stylist {
 
-// The variation in which a performer's styles are shown, over time: it fades from one setting to
-// the next, and wanders where the settings say so. Time is source time. A point is a weight for
-// each variation; they sum to 1 at most, and the rest is the style itself.
+// The variation of a performer's styles over time: it fades from one setting to the next, and
+// changes slowly if the settings request it. Time is source time. A point is a weight for each
+// variation; they sum to 1 at most, and the rest is the style itself.
 //
-// Wandering is a uniform cubic B-spline whose knots are Settings::variation and then variations by
-// a hash of it and of their number: twice continuously differentiable, always within the
-// variations' hull, the same in every replay. Fixed size, no allocation; one thread at a time.
+// The slow change is a uniform cubic B-spline. Its knots are Settings::variation and then
+// variations by a hash of it and of their number: twice continuously differentiable, always within
+// the variations' hull, the same in every replay. Fixed size, no allocation; one thread at a time.
 // Pinned by tests/unit/stylist/variation_test.cpp.
 class Variation {
  public:
-  // Fades to the settings from the next Advance on. Only what they change begins anew: the same
-  // variation wanders on. `at_once`: without a fade.
+  // Fades to the settings from the next Advance on. Only changed values restart: the same variation
+  // continues. `at_once`: without a fade.
   STYLED_REALTIME void Aim(const Settings& settings, bool at_once) noexcept;
   STYLED_REALTIME void Advance(double dt_s) noexcept;
 
-  // The variations in effect, by rising number; each above 0, 1.5 in all at most.
+  // The variations in effect, by increasing number; each above 0, 1.5 in total at most.
   std::span<const net::VariationWeight> in_force() const { return {active_.data(), count_}; }
   bool fading() const {
     return elapsed_s_ < static_cast<double>(duration_s_) ||
@@ -42,10 +42,10 @@ class Variation {
   void AddKnots(float share) noexcept;
   int Knot(std::int64_t number) const noexcept;
 
-  Point from_{}, point_{};  // where the fade began; where it is, for an amount of 1
+  Point from_{}, point_{};  // start and end of the fade, for an amount of 1
   int variation_ = 0;
   float drift_s_ = 0;
-  double phase_ = 0;  // of the wandering, in knots
+  double phase_ = 0;  // of the slow change, in knots
   double elapsed_s_ = 0;
   float duration_s_ = 0;  // of the fade of the point
   float amount_ = 1, amount_from_ = 1, amount_to_ = 1;

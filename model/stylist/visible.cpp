@@ -44,12 +44,12 @@ bool IsUnseen(const Moved& moved_m) noexcept {
   return std::ranges::all_of(moved_m, [](float m) { return m < tuning::kUnseen_m; });
 }
 
-bool AsksForMuch(const Settings& settings) noexcept {
+bool RequestsVisibleStyle(const Settings& settings) noexcept {
   float sum = 0;
   for (const net::StyleWeight& entry : settings.mix) {
     if (entry.style > 0) sum += entry.weight;
   }
-  return sum * settings.strength >= tuning::kAsksForMuch && settings.parts == body::kAllParts;
+  return sum * settings.strength >= tuning::kVisibleRequest && settings.parts == body::kAllParts;
 }
 
 }  // namespace styled::stylist

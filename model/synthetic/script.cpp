@@ -43,7 +43,7 @@ Result<std::vector<ScriptItem>> ParseScript(std::string_view text) {
       const bool whole = error == std::errc() && end == number.data() + number.size();
       if (!whole || !(parsed.seconds >= 0.1 && parsed.seconds <= 3600)) {
         return Status::Error("script: '" + std::string(item) +
-                             "': expected seconds from 0.1 to 3600 behind the colon");
+                             "': expected seconds from 0.1 to 3600 after the colon");
       }
     }
     script.push_back(parsed);

@@ -5,7 +5,7 @@
 
 namespace styled {
 
-// The exit status for a command line that is not understood.
+// The exit status for an invalid command line.
 inline constexpr int kBadArguments = 2;
 
 // Parses the command line. Returns the exit status if the program is to end: 0 after --help,

@@ -1,7 +1,8 @@
-// Are a performer's acts kept, whatever the style, and is the style to be seen? Clips of anybody,
-// restyled as live by weights in each of their styles: how far each gesture still reaches and in
-// which direction, how high each kick goes, and the jerk; how far the style moves the body, and
-// which of the real styles of a data set it is. Needs no judge and asserts nothing.
+// Measures whether a performer's acts are kept in every style, and whether the style is visible.
+// Clips of any performer are restyled as live by weights in each of their styles. The figures: how
+// far each gesture still reaches and in which direction, how high each kick goes, and the jerk; how
+// far the style moves the body, and which of the real styles of a data set it resembles. Needs no
+// judge and asserts nothing.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -17,13 +18,13 @@
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
-#include "model/train/judge/judge_acts.h"
-#include "model/train/judge/judge_gait.h"
-#include "model/train/judge/judge_metrics.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_stream.h"
-#include "model/train/judge/judge_text.h"
-#include "model/train/judge/judge_visible.h"
+#include "model/train/judge/acts.h"
+#include "model/train/judge/gait.h"
+#include "model/train/judge/metrics.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/stream.h"
+#include "model/train/judge/text.h"
+#include "model/train/judge/visible.h"
 #include "model/trial/trial.h"
 
 namespace styled {
@@ -34,7 +35,7 @@ struct Arguments {
   std::vector<std::string> styles;
   std::vector<std::filesystem::path> clips;
   bool standing = false;
-  std::string real, data, content = "walk";  // of the styles that are told by direction
+  std::string real, data, content = "walk";  // of the styles that are recognized by direction
   stylist::Options stylist;
 };
 
@@ -52,7 +53,7 @@ struct Row {
   judge::FeetFigures feet;
   std::array<judge::Mean, stylist::kLimbCount> shown;  // share of the style that a limb shows
   judge::Visible visible;
-  judge::Mean unseen, faint;     // clips and styles of which too little is to be seen
+  judge::Mean unseen, faint;     // clips and styles of which too little is visible
   judge::Mean told, expression;  // by the real clips' direction
 
   void Add(const Row& other) {
@@ -71,7 +72,8 @@ struct Row {
 };
 
 // The clip at kStreamRate_hz. `standing`: its rest pose is that of a frame that stands upright, and
-// its first frame, often a T-pose beside the motion, is dropped; else it is bound as stylize does.
+// its first frame, often a T-pose before the motion, is dropped; otherwise it is bound as stylize
+// does.
 Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing) {
   Result<clip::Clip> read = clip::ReadBvh(file);
   if (!read.ok()) return read.status();
@@ -94,7 +96,7 @@ Result<judge::Poses> LoadInput(const std::filesystem::path& file, bool standing)
   return poses(binding.value());
 }
 
-// How much of the style is seen, and whether it is told from the other real ones.
+// How much of the style is visible, and whether it is distinguished from the other real ones.
 void MeasureStyle(const judge::Poses& input, const judge::Poses& output, int style,
                   const Real& real, Row& row) {
   row.visible = judge::MeasureVisible(input, output);
@@ -104,7 +106,7 @@ void MeasureStyle(const judge::Poses& input, const judge::Poses& output, int sty
   if (place == real.styles.end()) return;
   const auto at = static_cast<std::size_t>(place - real.styles.begin());
   const Eigen::VectorXd shift = judge::MeasureShift(input, output);
-  row.told.Add(judge::TellByDirection(shift, real.shifts) == static_cast<int>(at) ? 1 : 0);
+  row.told.Add(judge::ClassifyByDirection(shift, real.shifts) == static_cast<int>(at) ? 1 : 0);
   row.expression.Add(judge::MeasureExpression(shift, real.shifts[at]).fraction);
 }
 
@@ -240,7 +242,7 @@ void PrintVisibleHeader(const char* of) {
   std::printf("\n");
 }
 
-// The real clips of --real, of the content that is asked for.
+// The real clips of --real, of the requested content.
 Result<Real> ReadReal(const Arguments& arguments, const net::Styles& styles) {
   Real real;
   if (arguments.real.empty()) return real;
@@ -328,7 +330,7 @@ Status Run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   styled::Arguments arguments;
   CLI::App app(
-      "Measures what styles leave of a performer's acts. Columns: gestures of hands in place, how "
+      "Measures how far styles keep a performer's acts. Columns:  gestures of hands in place, how "
       "far they reach over the input's (mean, least), degrees off its direction (mean, worst); "
       "kicks, their height over the input's; jerk over the input's (mean, worst clip); share of "
       "the "
@@ -337,7 +339,8 @@ int main(int argc, char** argv) {
       "and feet are moved, the share of cells in which none of the five is moved by 1.5 cm "
       "(unseen) "
       "and by 3 cm (faint); with --real "
-      "the share that is told from the other real styles by its direction, and its part of the "
+      "the share that is distinguished from the other real styles by its direction, and its part "
+      "of the "
       "real change. Then, by style, the largest jerk over the input's largest (snap: mean and "
       "worst "
       "clip), and the least bend of the knees, degrees, and the speed of feet on the floor, of the "
@@ -352,18 +355,18 @@ int main(int argc, char** argv) {
       "For unknown rigs: each clip's first frame stands upright, soles flat; it gives the rest "
       "pose and is then dropped");
   app.add_flag("!--no-neutral", arguments.stylist.neutral,
-               "Do not take the performer's own carriage out before the network");
+               "Do not remove the performer's own carriage before the network");
   app.add_option("--posture", arguments.stylist.posture,
-                 "How much of a style's posture is kept where the network shows nothing of it")
+                 "How much of a style's posture is kept while the network shows none of it")
       ->check(styled::Number(0, 1))
       ->capture_default_str();
   app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold planted feet");
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
-               "Do not withhold the style of limbs that the network does not know");
+               "Do not withhold the style of limbs in unknown motions");
   const char* const data = std::getenv("STYLED_DATA");
   if (data != nullptr) arguments.data = data;
-  CLI::Option* const real = app.add_option(
-      "--real", arguments.real, "Manifest of real clips in the styles, by which they are told");
+  CLI::Option* const real = app.add_option("--real", arguments.real,
+                                           "Manifest of real clips in the styles, for recognition");
   app.add_option("--data", arguments.data, "Folder of its clips (default $STYLED_DATA)")
       ->needs(real);
   app.add_option("--content", arguments.content, "Which of its contents the clips show")

@@ -10,11 +10,11 @@
 #include "model/tools/number.h"
 #include "model/train/baselines/baseline.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_clip_restyler.h"
-#include "model/train/judge/judge_comparison.h"
-#include "model/train/judge/judge_details.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_report.h"
+#include "model/train/judge/clip_restyler.h"
+#include "model/train/judge/comparison.h"
+#include "model/train/judge/details.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/report.h"
 
 namespace styled {
 namespace {
@@ -121,13 +121,14 @@ void AddTrainingOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--seed", arguments.seed, "Seed of the training")
       ->check(Whole(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  app.add_option("--macs", arguments.macs,
-                 "aberman: multiply-adds for a window, which decide its width; st-gcn's at width "
-                 "32 by default")
+  app.add_option(
+         "--macs", arguments.macs,
+         "aberman: multiply-adds for a window, which determine its width; st-gcn's at width "
+         "32 by default")
       ->check(Number(1e5, 1e10))
       ->capture_default_str();
   app.add_option("--style-weight", arguments.style_weight,
-                 "holden: of the Gram matrix's relative error against the content's")
+                 "holden: weight of the Gram matrix's relative error relative to the content's")
       ->check(Number(0, 1e6))
       ->capture_default_str();
 }

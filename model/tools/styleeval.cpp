@@ -12,14 +12,14 @@
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_clip_restyler.h"
-#include "model/train/judge/judge_codes.h"
-#include "model/train/judge/judge_details.h"
-#include "model/train/judge/judge_evidence.h"
-#include "model/train/judge/judge_live_restyler.h"
-#include "model/train/judge/judge_mixed.h"
-#include "model/train/judge/judge_pictures.h"
-#include "model/train/judge/judge_provenance.h"
+#include "model/train/judge/clip_restyler.h"
+#include "model/train/judge/codes.h"
+#include "model/train/judge/details.h"
+#include "model/train/judge/evidence.h"
+#include "model/train/judge/live_restyler.h"
+#include "model/train/judge/mixed.h"
+#include "model/train/judge/pictures.h"
+#include "model/train/judge/provenance.h"
 
 namespace styled {
 
@@ -69,7 +69,7 @@ void PrintJudgesOnReal(const judge::Evaluator& evaluator, int window) {
       content.worst, evaluator.CellName(content.worst_cell).c_str());
 }
 
-// What the weights make of the inputs in one way.
+// The results of the weights for the inputs in one mode.
 struct Styled {
   const char* key;      // in JSON
   const char* title;    // of its table
@@ -105,7 +105,7 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
     }
     styled.push_back({"styled", "styled (detail-preserving, as live)", "styled",
                       judge::Style(data, *styler.frames, options, false)});
-    // Of styles that the network does not know there are examples alone.
+    // For styles that the network does not know there are only examples.
     std::erase_if(styled, [](const Styled& one) { return one.clips.empty(); });
     return styled;
   }
@@ -120,7 +120,7 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
   return styled;
 }
 
-// What the report is about first, then what it is compared with.
+// The subject of the report, followed by its comparisons.
 void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
                   const Outputs& outputs) {
   const judge::Data& data = session.data;
@@ -278,22 +278,22 @@ int main(int argc, char** argv) {
                  "Style the neutral validation clips of this manifest instead");
   CLI::Option* const long_s =
       app.add_option("--long", arguments.long_s,
-                     "Judge also after so many seconds of continuous state; 0: do not")
+                     "Judge also after this many seconds of continuous state; 0: do not")
           ->check(styled::Number(0, 86400))
           ->capture_default_str();
   app.add_flag("--absolute", arguments.absolute,
-               "Judge the paper's absolute output, too; instead, where the network needs whole "
+               "Judge the paper's absolute output, too; instead, if the network needs whole "
                "clips");
   app.add_option("--clip-rate", arguments.clip_rate_hz,
-                 "Where the network needs whole clips: 120 styles them as a live stream of that "
+                 "If the network needs whole clips: 120 styles them as a live stream of that "
                  "rate, 30 as they were recorded")
       ->check(CLI::IsMember({30, 120}))
       ->capture_default_str();
   app.add_option("--precision", arguments.precision,
-                 "To which weights are rounded, as model.precision of the daemon")
+                 "Precision to which weights are rounded, as model.precision of the daemon")
       ->check(CLI::IsMember({"float32", "bfloat16"}))
       ->capture_default_str();
-  app.add_flag("--robust", arguments.robust, "Judge inputs as live rigs spoil them, too");
+  app.add_flag("--robust", arguments.robust, "Judge inputs with the errors of live rigs, too");
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");
   app.add_flag("--styled-inputs", arguments.styled_inputs,
                "Judge performers who move in a style already, too");
@@ -306,23 +306,24 @@ int main(int argc, char** argv) {
       ->check(styled::Number(0, 1))
       ->capture_default_str();
   app.add_option("--root", arguments.root,
-                 "Where the styled body is on the floor: follow, where the performer is, or "
-                 "stride, their way scaled by what the style does to speed")
+                 "Place of the styled body on the floor: follow, at the performer's place, or "
+                 "stride, their path scaled by the style's effect on speed")
       ->check(CLI::IsMember({"follow", "stride"}))
       ->capture_default_str();
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");
   app.add_flag("!--no-feet", arguments.stylist.feet, "Do not hold feet that are planted");
   app.add_flag("!--no-neutral", arguments.stylist.neutral,
-               "Do not take the performer's own carriage out before the network");
+               "Do not remove the performer's own carriage before the network");
   app.add_option("--posture", arguments.stylist.posture,
-                 "How much of a style's posture is kept where the network shows nothing of it")
+                 "How much of a style's posture is kept while the network shows none of it")
       ->check(styled::Number(0, 1))
       ->capture_default_str();
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
-               "Do not withhold the style of limbs that the network does not know");
-  app.add_flag("!--no-ground", arguments.stylist.ground,
-               "Do not shift the styled body vertically: what of jitter and skate is grounding");
+               "Do not withhold the style of limbs in unknown motions");
+  app.add_flag(
+      "!--no-ground", arguments.stylist.ground,
+      "Do not shift the styled body vertically: shows the share of grounding in jitter and skate");
   CLI::Option* const transition =
       app.add_option("--transition", arguments.transition_s, "Cross-fade of a switch, seconds")
           ->check(styled::Number(0, 3))

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "model/train/judge/judge_comparison.h"
-#include "model/train/judge/judge_data.h"
-#include "model/train/judge/judge_html.h"
-#include "model/train/judge/judge_report.h"
-#include "model/train/judge/judge_strips.h"
+#include "model/train/judge/comparison.h"
+#include "model/train/judge/data.h"
+#include "model/train/judge/html.h"
+#include "model/train/judge/report.h"
+#include "model/train/judge/strips.h"
 
-// What the sources of styleeval share.
+// Declarations that the sources of styleeval share.
 namespace styled {
 
 struct EvalArguments {
@@ -27,10 +27,10 @@ struct EvalArguments {
   judge::JudgeSettings judges;
   stylist::Options stylist;
   std::string root = "follow";  // or "stride": stylist::Root
-  float transition_s = 0.1F;
+  float transition_s = net::kUsualTransition_s;
 };
 
-// The judges of one call, and what they have said so far. Everything it refers to outlives it.
+// The judges of one call, and their results so far. Everything that it refers to outlives it.
 struct EvalSession {
   const EvalArguments& arguments;
   const judge::Data& data;
@@ -45,8 +45,8 @@ struct EvalSession {
 void Report(EvalSession& session, const char* key, const std::string& title,
             const std::vector<judge::Transferred>& clips);
 
-// Weights that run live, under every condition that the arguments ask for; styleeval_live.cpp. The
-// ordinary one, clip by clip, is judged before.
+// Weights that run live, under every condition that the arguments request; styleeval_live.cpp. The
+// ordinary condition, clip by clip, is judged before.
 Status JudgeConditions(EvalSession& session, const judge::Styler& styler);
 
 // Does the content judge, trained on real clips, recognize the synthetic performer?

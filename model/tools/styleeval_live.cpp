@@ -1,11 +1,11 @@
 #include <cstdio>
 
 #include "model/tools/styleeval.h"
-#include "model/train/judge/judge_conditions.h"
-#include "model/train/judge/judge_feet.h"
-#include "model/train/judge/judge_foreign.h"
-#include "model/train/judge/judge_long.h"
-#include "model/train/judge/judge_response.h"
+#include "model/train/judge/conditions.h"
+#include "model/train/judge/feet.h"
+#include "model/train/judge/foreign.h"
+#include "model/train/judge/long.h"
+#include "model/train/judge/response.h"
 
 namespace styled {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr double kSwitchEvery_s = 4.0;
 constexpr double kSwitching_s = 60;  // of each content
 
-// Network styles, and which of the manifest's they are.
+// Network styles, and the corresponding ones of the manifest.
 struct Present {
   std::vector<int> of_manifest, of_network;
 };
@@ -80,9 +80,9 @@ void JudgeLong(EvalSession& session, const judge::Styler& styler) {
   char title[96];
   std::snprintf(title, sizeof title, "styled, after %.0f s of continuous state", seconds);
   const std::span<const judge::LongRun> apart = std::span(runs).first(runs.size() - 1);
-  Report(session, "long", title, judge::TakeLate(apart, seconds));
+  Report(session, "long", title, judge::CutLate(apart, seconds));
   std::snprintf(title, sizeof title, "styled, contents mixed, after %.0f s", seconds);
-  Report(session, "mixed", title, judge::TakeLate(std::span(runs).last(1), seconds));
+  Report(session, "mixed", title, judge::CutLate(std::span(runs).last(1), seconds));
   JudgeSwitches(session, styler, apart);
 }
 

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <limits>
 
+#include "model/base/crc32c.h"
 #include "model/clip/clip.h"
 #include "model/net/shipped_weights.h"
 #include "model/net/weights_file.h"
@@ -22,7 +23,6 @@
 #include "model/train/blas.h"
 #include "model/train/stgcn_causal/refiner.h"
 #include "model/train/stgcn_causal/style_file.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::train::st_gcn_causal {
 namespace {
@@ -34,10 +34,10 @@ constexpr int kNice = 10;
 constexpr double kJudgedShare = 0.25;  // of each take, its end
 constexpr double kLeast_s = 2;         // of all takes together
 constexpr double kReport_s = 3;        // between two lines
-// A take is asymmetric on purpose if its mean pose differs from its mirror image by more than this
-// share of what it differs from the neutral one, and by more than these centimetres.
+// A take is asymmetric on purpose if the difference of its mean pose from the mirror image exceeds
+// this share of its difference from the neutral one, and these centimetres.
 constexpr double kAsymmetry = 0.5, kAsymmetry_cm = 1.5;
-// How fast a performer stands at most, and walks at most.
+// The maximum speeds of a performer who stands, and who walks.
 constexpr double kStanding_m_s = 0.25, kWalking_m_s = 2.2;
 constexpr int kPerformers = 6;  // built-in ones, the last two for the figures
 constexpr double kPerformance_s = 24;
@@ -83,7 +83,7 @@ Result<std::vector<std::string>> TakesOf(const Arguments& arguments) {
   if (std::filesystem::exists(beside)) files.push_back(beside.string());
   files.insert(files.end(), arguments.clips.begin(), arguments.clips.end());
   if (!files.empty()) return files;
-  return Status::Error(arguments.style + ": there is no take of it, " + beside.string() +
+  return Status::Error(arguments.style + ": has no take, " + beside.string() +
                        "; expected that file, or --clip");
 }
 
@@ -99,7 +99,7 @@ double Speed_m_s(const std::vector<Poses>& takes, double rate_hz) {
   return steps > 0 ? path_m / steps * rate_hz : 0;
 }
 
-// The built-in performers in the act of that speed.
+// The built-in performers performing the act of that speed.
 std::vector<Poses> Perform(double speed_m_s, double rate_hz, uint64_t seed, std::string& act) {
   const synthetic::Motion motion = speed_m_s < kStanding_m_s  ? synthetic::Motion::kStand
                                    : speed_m_s < kWalking_m_s ? synthetic::Motion::kWalk
@@ -186,7 +186,7 @@ Status ReadMotion(const Arguments& arguments, Session& session) {
   return Status::Ok();
 }
 
-// The style of the file, or, with --anew, that of its first take as an example.
+// The style of the file, or, with `--anew`, that of its first take as an example.
 Status ReadStart(const Arguments& arguments, Session& session) {
   const st_gcn::Shape& shape = session.network.student->shape;
   const VectorSizes sizes(shape);
@@ -219,7 +219,7 @@ Result<Session> Open(const Arguments& arguments) {
   const auto bytes = net::ReadFile(weights.value());
   if (!bytes.ok()) return bytes.status();
   char hash[32];
-  std::snprintf(hash, sizeof hash, "crc32c:%08x", native::Crc32c(net::TensorBytes(bytes.value())));
+  std::snprintf(hash, sizeof hash, "crc32c:%08x", Crc32c(net::TensorBytes(bytes.value())));
   Result<LoadedStudent> network = ReadStudent(weights.value());
   if (!network.ok()) return network.status();
   session.network = std::move(network.value());
@@ -245,7 +245,7 @@ nlohmann::json ToJson(const RefineFigures& figures) {
   return {{"mean_cm", figures.mean_cm}, {"movement_cm", figures.spread_cm}};
 }
 
-// The best style by its figures, of those looked at every kReport_s.
+// The best style by its figures, among those evaluated every kReport_s.
 struct Best {
   FullStyle style;
   RefineFigures figures;
@@ -279,7 +279,7 @@ Best Fit(const Arguments& arguments, Refiner& refiner, const Best& start, int64_
     ++since;
     ++steps;
     if (!refiner.Finite()) {
-      std::printf("the style is not finite any more; the best one so far is kept\n");
+      std::printf("the style is no longer finite; the best one so far is kept\n");
       return best;
     }
   }
@@ -327,8 +327,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--minutes", arguments.minutes, "How long")
       ->check(Number(0.01, 1e5))
       ->capture_default_str();
-  app.add_option("--iterations", arguments.iterations, "How many steps, instead of how long");
-  app.add_option("--out", arguments.out, "Write to this file; else the style's own");
+  app.add_option("--iterations", arguments.iterations, "Number of steps, instead of a time");
+  app.add_option("--out", arguments.out, "Write to this file; default: the style's own");
   app.add_flag("--anew", arguments.anew, "Begin with the take as an example, not with the file");
   app.add_option("--mirror", arguments.mirror, "Fit mirror images, too; auto: if symmetric enough")
       ->check(CLI::IsMember({"auto", "yes", "no"}))
@@ -338,9 +338,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--batch", config.batch)->capture_default_str();
   app.add_option("--code-rate", config.code_rate)->capture_default_str();
-  app.add_option("--rate", config.rate, "Of bias and additions; 0: the code alone")
+  app.add_option("--rate", config.rate,
+                 "Weight decay of bias and additions; 0: only the code is fitted")
       ->capture_default_str();
-  app.add_option("--code-alone", config.code_alone, "Share of the time that fits the code alone")
+  app.add_option("--code-alone", config.code_alone,
+                 "Share of the time in which only the code is fitted")
       ->capture_default_str();
   app.add_option("--w-moments", config.w_moments)->capture_default_str();
   app.add_option("--w-distribution", config.w_distribution)->capture_default_str();

@@ -17,11 +17,11 @@
 #include "model/train/blas.h"
 #include "model/train/check.h"
 #include "model/train/erd/recipe.h"
-#include "model/train/judge/judge_evidence.h"
-#include "model/train/judge/judge_posture.h"
-#include "model/train/judge/judge_reference.h"
-#include "model/train/judge/judge_speeds.h"
-#include "model/train/judge/judge_validation.h"
+#include "model/train/judge/evidence.h"
+#include "model/train/judge/posture.h"
+#include "model/train/judge/reference.h"
+#include "model/train/judge/speeds.h"
+#include "model/train/judge/validation.h"
 #include "model/train/measure.h"
 #include "model/train/stgcn/recipe.h"
 #include "model/train/stgcn_causal/recipe.h"
@@ -48,7 +48,7 @@ const Family* FindFamily(std::string_view name) {
   return found == std::end(kFamilies) ? nullptr : found;
 }
 
-// The value of --family, which is read before the others: it decides which others there are.
+// The value of --family, which is read before the others, because it decides which others exist.
 std::string FamilyOnCommandLine(int argc, char** argv) {
   constexpr std::string_view kFlag = "--family";
   std::string family(kFamilies[0].name);
@@ -60,8 +60,8 @@ std::string FamilyOnCommandLine(int argc, char** argv) {
   return family;
 }
 
-// The command line as recorded in the weights' metadata: DIR stands for the folder of --data, RUN
-// for that of --out: paths of a machine are nobody else's business.
+// The command line as recorded in the weights' metadata: DIR replaces the folder of --data, RUN
+// that of --out, so that no path of this machine is published.
 std::string RecordedCommand(int argc, char** argv) {
   std::string command = "styletrain";
   for (int i = 1; i < argc; ++i) {
@@ -76,8 +76,10 @@ struct Flags {
   RunConfig run;
   std::string family;
   std::vector<std::string> export_paths;
-  std::string speeds;  // weights that get the speeds of the manifest's styles; nothing is trained
-  std::vector<std::string> gate;  // weights that get the bounds behind them
+  std::string speeds;  // weights that receive the speeds of the manifest's styles; nothing is
+                       // trained
+  std::vector<std::string> gate;  // weights that receive the speeds of the manifest's styles;
+                                  // nothing is trained
   std::string postures;           // weights that get how the manifest's styles carry themselves
   std::string reference;          // weights that get how the manifest's performers stand and walk
   std::string judges;             // folder of cached judges; empty: the run is not judged
@@ -96,20 +98,21 @@ void AddRunFlags(CLI::App& app, Flags& flags) {
   app.option_defaults()->group("Schedule");
   app.add_option("--minutes", run.minutes, "Length of the run in wall time, all resumes");
   app.add_option("--iterations", run.iterations, "Length of the run in iterations");
-  app.add_option("--stop-at", run.stop_at, "End this session at an iteration; resume later");
-  app.add_option("--seed", run.seed, "Of every random number of the run")
+  app.add_option("--stop-at", run.stop_at, "End this session at this iteration; resume later");
+  app.add_option("--seed", run.seed, "Seed of every random number of the run")
       ->check(Whole(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
   app.option_defaults()->group("Machine");
-  app.add_option("--device", run.device, "Where it computes; auto: a CUDA device if there is one")
+  app.add_option("--device", run.device, "Device; auto: a CUDA device if there is one")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str();
   app.add_option("--threads", run.threads, "CPU threads of libtorch")->capture_default_str();
   app.option_defaults()->group("Output");
-  app.add_option("--out", run.out, "Folder of the run; made where there is none");
+  app.add_option("--out", run.out, "Folder of the run; created if it does not exist");
   app.add_flag("--resume", run.resume, "Continue the run in --out; give the same flags");
-  app.add_option("--checkpoint-minutes", run.checkpoint_minutes,
-                 "Between two checkpoints: what a crash may cost. Ctrl-C and SIGTERM cost nothing")
+  app.add_option(
+         "--checkpoint-minutes", run.checkpoint_minutes,
+         "Time between two checkpoints, which a crash may cost. Ctrl-C and SIGTERM cost nothing")
       ->capture_default_str();
   app.add_option("--log-every", run.log_every, "Iterations between two rows of log.csv")
       ->capture_default_str();
@@ -127,7 +130,7 @@ void AddValidationFlags(CLI::App& app, Flags& flags) {
   app.add_option("--validate-minutes", run.validate_minutes, "Minutes between two validations")
       ->capture_default_str();
   app.add_option("--patience", run.patience,
-                 "End after so many validations without a better score; 0: never")
+                 "End after this many validations without a better score; 0: never")
       ->capture_default_str()
       ->needs(validation);
 }
@@ -136,11 +139,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
   std::vector<std::string> names;
   for (const Family& family : kFamilies) names.emplace_back(family.name);
   app.set_config("--config", "", "TOML file with any of these options but --family");
-  app.add_option("--family", flags.family,
-                 "Family of the network; with --help, whose options are shown")
+  app.add_option("--family", flags.family, "Family of the network; --help shows its options")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  app.add_option("--export", flags.export_paths, "RUN FILE: write the weights of a run and end")
+  app.add_option("--export", flags.export_paths, "RUN FILE: write the weights of a run and exit")
       ->expected(2);
   CLI::Option* const speeds =
       app.add_option("--write-speeds", flags.speeds,
@@ -158,18 +160,18 @@ void AddFlags(CLI::App& app, Flags& flags) {
       "these weights, so that acts that the network does not know have that, and end");
   CLI::Option* const gate = app.add_option(
       "--write-gate", flags.gate,
-      "FILE ARMS TRUNK LEGS: write into these weights how far off, in metres, they may "
-      "reconstruct a limb before its style begins to fade out and is gone, each as "
+      "FILE ARMS TRUNK LEGS: write into these weights how large, in metres, their error in "
+      "reconstructing a limb may be before its style begins to fade out and is gone, each as "
       "BEGIN:END, and end");
   app.add_flag("--check", flags.check,
-               "Only check: say what is wrong with flags, manifest and clips, what the run will "
+               "Only check: report errors of flags, manifest and clips, and what the run will "
                "take (clips, windows, iterations a minute, memory), and end; leaves nothing")
       ->excludes("--export")
       ->excludes(speeds)
       ->excludes(reference)
       ->excludes(postures);
   AddRunFlags(app, flags);
-  // The default manifest would replace the speeds of styles that it shares with the right one.
+  // The default manifest would replace the speeds of styles that have the same names.
   speeds->needs("--manifest")->excludes("--out")->excludes("--export");
   reference->needs("--manifest")->excludes("--out")->excludes("--export")->excludes(speeds);
   postures->needs("--manifest")->excludes("--out")->excludes("--export")->excludes(speeds);
@@ -179,7 +181,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
   AddValidationFlags(app, flags);
 }
 
-// Says what the run has and what is wrong with it.
+// Reports the run's input and its errors.
 Status CheckAndSay(const RunConfig& run, const Needs& needs) {
   const Plan plan = CheckBeforeTraining(run, needs);
   std::cout << PlanText(plan, needs) << std::flush;
@@ -243,14 +245,14 @@ Status Run(const Flags& flags, FamilyFlags& family) {
       return row == nullptr ? nullptr : row->export_weights;
     });
   }
-  Needs needs = family.WhatIsNeeded();
+  Needs needs = family.RequiredInputs();
   needs.judges = flags.judges;
   const Status checked = CheckAndSay(flags.run, needs);
   if (!checked.ok()) return checked;
   if (flags.check) return CheckOnly(flags.run, !flags.judges.empty(), family);
   const auto say = [](const std::string& what) { std::cout << what << std::endl; };
   const auto train = [&](const Validate& validate) {
-    say("reading the clips for training; the speed is told after the first iterations");
+    say("reading the clips for training; the speed follows after the first iterations");
     const auto recipe = family.MakeRecipe(flags.run);
     return recipe.ok() ? Train(flags.run, *recipe.value(), validate) : recipe.status();
   };

@@ -1,19 +1,18 @@
-// Styles that weights were not trained on, each by its walk as an example without a label: how far
-// the output's mean pose moves along the example's own shift from its set's normal walk, and how
-// far a constant offset taken from the same clips moves it.
+// Styles that weights were not trained on, each by its walk as an example without a label. Measures
+// how far the output's mean pose moves along the example's own shift from its set's normal walk,
+// and how far a constant offset from the same clips moves it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
 #include "model/tools/styleunseen_live.h"
 #include "model/train/blas.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_text.h"
-#include "model/train/judge/judge_unseen.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/text.h"
+#include "model/train/judge/unseen.h"
 #include "model/trial/trial.h"
 
 namespace styled {
@@ -28,7 +27,7 @@ struct Arguments {
 
 using Clips = std::vector<train::TrainingClip>;
 
-// The longest walk of each style in all splits; empty where a style has none.
+// The longest walk of each style in all splits; empty if a style has none.
 Result<std::vector<judge::Poses>> Walks(const clip::Manifest& manifest) {
   std::vector<judge::Poses> walks(manifest.styles.size());
   erd::FeatureParameters parameters;
@@ -167,10 +166,11 @@ int main(int argc, char** argv) {
   app.add_option("--library", arguments.library,
                  "Folder of style files NAME.json, used where one has a style's name (live)");
   app.add_option("--source", arguments.source,
-                 "What is restyled, without a style (BVH); else the neutral walk (live)");
-  app.add_option("--judges", arguments.judges,
-                 "Train judges on the data set, keep them in this folder, and say how much of the "
-                 "output they recognize (live)");
+                 "The clip to restyle, without a style (BVH); else the neutral walk (live)");
+  app.add_option(
+      "--judges", arguments.judges,
+      "Train judges on the data set, keep them in this folder, and report how much of the "
+      "output they recognize (live)");
   app.add_flag(
       "--neutral", arguments.neutral,
       "Examples are shown beside the neutral walk: only what they differ by counts (live)");

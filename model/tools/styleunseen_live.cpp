@@ -7,9 +7,9 @@
 
 #include "model/clip/clip.h"
 #include "model/rig/dialects.h"
-#include "model/train/judge/judge_provenance.h"
-#include "model/train/judge/judge_text.h"
-#include "model/train/judge/judge_unseen_live.h"
+#include "model/train/judge/provenance.h"
+#include "model/train/judge/text.h"
+#include "model/train/judge/unseen_live.h"
 #include "model/train/stgcn_causal/style_file.h"
 
 namespace styled {

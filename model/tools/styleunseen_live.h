@@ -5,11 +5,11 @@
 
 #include "model/base/status.h"
 #include "model/clip/manifest.h"
-#include "model/train/judge/judge_unseen.h"
+#include "model/train/judge/unseen.h"
 
 namespace styled {
 
-// What styleunseen measures of a live network that has a space of styles.
+// The measurement of a live network that has a space of styles.
 struct UnseenLive {
   const clip::Manifest& manifest;
   std::vector<judge::Poses> walks;  // by style of the manifest
@@ -19,7 +19,7 @@ struct UnseenLive {
   std::string source;    // a BVH file to restyle; empty: the neutral walk
   std::string judges;    // folder of cached judges; empty: none
   std::string json;      // file for the figures; empty: none
-  bool neutral = false;  // examples are read beside the neutral walk: what they differ by
+  bool neutral = false;  // examples are read relative to the neutral walk: only the difference
 };
 Status MeasureLive(const UnseenLive& of);
 

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "model/base/status.h"
 #include "model/train/check.h"
+#include "model/train/flags.h"
 #include "model/train/recipe.h"
 #include "model/train/trainer.h"
 
@@ -22,11 +23,14 @@ class FamilyFlags {
   // checks which flags exclude each other. Errors name the flag.
   virtual Status Resolve(const CLI::App& app) = 0;
   virtual Result<std::unique_ptr<Recipe>> MakeRecipe(const RunConfig& run) const = 0;
-  // What the flags ask of clips and files; `judges` is left for the caller to set.
-  virtual Needs WhatIsNeeded() const = 0;
-  // For a run of which nothing is kept: a shorter start before the first iteration.
+  // The recipe's requirements for clips and files; the caller sets `judges`.
+  virtual Needs RequiredInputs() const = 0;
+  // For a run whose results are discarded: a shorter start before the first iteration.
   virtual void ShortenStart() {}
 };
+
+// Adds an option for each flag, the value of now as its default; for a family's constructor.
+void AddFlags(CLI::App& app, const std::vector<FlagGroup>& groups);
 
 // What windows of st-gcn and st-gcn-causal ask of clips: 64 frames at 30 Hz, half of which may be
 // repeated. styletrain_stgcn.cpp

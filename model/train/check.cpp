@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 
 #include "model/base/text.h"
@@ -21,13 +20,14 @@ bool Readable(const fs::path& file) {
   return fs::is_regular_file(file, error) && ::access(file.c_str(), R_OK) == 0;
 }
 
-// Why no files can be made in a folder, which may not exist yet; "" if they can.
+// The reason why no files can be created in a folder, which may not exist yet; "" if they can.
 std::string WhyNotWritable(const fs::path& folder) {
   std::error_code error;
   fs::path there = fs::absolute(folder, error).lexically_normal();
   while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
-  if (!fs::is_directory(there, error)) return there.string() + " is no folder";
-  // For root everything is writable, and not everywhere can a file be made (/proc): try it.
+  if (!fs::is_directory(there, error)) return there.string() + " is not a folder";
+  // For root everything is writable, but files cannot be created everywhere (/proc), so this tries
+  // it.
   std::string probe = (there / ".styletrain-XXXXXX").string();
   if (::mkdtemp(probe.data()) == nullptr) return there.string() + " cannot be written";
   fs::remove(probe, error);
@@ -66,7 +66,7 @@ class Check {
   void Clips(const clip::Manifest& manifest);
   void ReadClips(const clip::Manifest& manifest);
   void Count(const TrainingClip& clip, const std::string& split, StylePlan& style);
-  // What is missing of a style's clips.
+  // Lists the clips that a style lacks.
   void Missing(const clip::Manifest& manifest, std::size_t style);
   void MissingPart(const std::string& style, const char* split, const StylePlan::Part& part,
                    int frames, double rate_hz, const char* why);
@@ -119,7 +119,7 @@ void Check::Clips(const clip::Manifest& manifest) {
   }
   cells_.assign(manifest.styles.size(), std::vector<int>(manifest.contents.size()));
   ReadClips(manifest);
-  // What is missing may be in the files that cannot be read.
+  // The missing clips may be in the files that cannot be read.
   if (plan_.wrong.size() > before) return;
   for (std::size_t style = 0; style < manifest.styles.size(); ++style) Missing(manifest, style);
 }

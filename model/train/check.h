@@ -8,14 +8,14 @@
 #include "model/base/status.h"
 #include "model/train/trainer.h"
 
-// What a run needs, looked at before it begins: everything that is wrong at once, not one mistake
-// per attempt. Needs no libtorch.
+// Checks the input of a run before it begins, and reports all errors at once, not one per attempt.
+// Needs no libtorch.
 namespace styled::train {
 
-// What a family and the flags ask of clips and files.
+// The requirements of a family and the flags for clips and files.
 struct Needs {
   double rate_hz = 30;    // of the network
-  int train_frames = 25;  // the fewest that a clip needs at that rate, to be learnt from
+  int train_frames = 25;  // the fewest that a clip needs at that rate for training
   int window_frames = 25;
   bool paired = false;  // a style is learnt in contents that neutral has, too
   // Flags that name files to read: {"--init", "v2.safetensors"}.
@@ -38,15 +38,14 @@ struct StylePlan {
 struct Plan {
   // A sentence each, with the flag, or file and line, what was found and what was expected.
   std::vector<std::string> wrong;
-  // What works, but probably not as wanted.
+  // Warnings: the run works, but probably not as intended.
   std::vector<std::string> doubtful;
   std::vector<StylePlan> styles;  // as in the manifest, neutral first; empty if it cannot be read
 };
 
-// Reads the manifest and all of its clips. Leaves nothing: folders that do not exist are not made;
-// whether they could be is tried with a temporary one.
-// Blocks for as long as the clips take to read; one thread. Pinned by
-// tests/unit/train/check_test.cpp.
+// Reads the manifest and all of its clips. Leaves nothing behind: missing folders are not created;
+// whether they could be is tested with a temporary one. Blocks for as long as the clips take to
+// read; one thread. Pinned by tests/unit/train/check_test.cpp.
 Plan CheckBeforeTraining(const RunConfig& run, const Needs& needs);
 
 // For people: a table of the styles, several lines.

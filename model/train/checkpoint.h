@@ -12,16 +12,16 @@
 
 namespace styled::train {
 
-// The state of a run as a file holds it: tensors and strings by name. The trainer's own names are
+// The state of a run as a file stores it: tensors and strings by name. The trainer's own names are
 // the tensors "best" and "elapsed_s" and the string "family"; all others are the recipe's. Files
-// hold tensors on the CPU. Pinned by tests/unit/train/run_test.cpp.
+// contain tensors of the CPU. Pinned by tests/unit/train/run_test.cpp.
 struct Checkpoint {
   std::map<std::string, torch::Tensor> tensors;
   std::map<std::string, std::string> strings;
 };
 
 // The network family of a checkpoint. One without the string "family" is older than the choice of
-// families, and of "style-erd".
+// families, and belongs to "style-erd".
 std::string FamilyOf(const Checkpoint& checkpoint);
 
 // The message of an exception in one line: those of libtorch hold a whole stack.
@@ -37,8 +37,8 @@ Status ReplaceByPartial(const std::filesystem::path& file);
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& file);
 Status ReadCheckpoint(const std::filesystem::path& file, Checkpoint& checkpoint);
 
-// The state of an optimizer, saved under `name`. RestoreAdam throws where the checkpoint has no
-// state of this name, or one for another number of parameters.
+// The state of an optimizer, saved under `name`. RestoreAdam throws if the checkpoint has no state
+// of this name, or one for another number of parameters.
 void SaveAdam(const std::string& name, const Adam& adam, Checkpoint& checkpoint);
 void RestoreAdam(const std::string& name, const Checkpoint& checkpoint, Adam& adam);
 

@@ -19,7 +19,7 @@ namespace styled::train {
 namespace {
 
 // Lower limits of the deviations, so that a feature that hardly varies in the clips is not
-// standardized to a large number by another rig. Higher: less of small motion is seen.
+// standardized to a large number on another rig. Higher: small motion is represented less.
 constexpr float kRotationFloor = 0.02F;
 constexpr float kPositionFloor_m = 0.01F;
 constexpr float kVelocityFloor_mps = 0.05F;
@@ -57,7 +57,7 @@ void RunFilters(const erd::FeatureParameters& parameters, double still_speed_mps
   }
 }
 
-// Where the performer stands and looks, as a transform on the floor.
+// The performer's place and heading, as a transform on the floor.
 struct Place {
   float heading_rad;
   body::Vec3 hips_m;
@@ -129,7 +129,7 @@ body::Pose PoseAt(const TrainingClip& clip, int frame, bool mirrored, const Misc
   return pose;
 }
 
-// What the features of a frame depend on besides its pose.
+// The data besides the pose on which a frame's features depend.
 struct Past {
   erd::FeatureState state;
   float heading_rad = 0.0F;
@@ -211,9 +211,9 @@ class Binder {
   std::string dialect_;
 };
 
-// How high the floor is, by the feet and toes at their lowest against a standing figure's, m. Of
-// the frames' lowest the share kOnTheFloor counts, so that no single frame that errs decides; it is
-// far less than the share of a jump in which a foot stands.
+// The height of the floor, from the feet and toes at their lowest compared with a standing
+// figure's, m. The share kOnTheFloor of the frames' lowest values counts, so that no single wrong
+// frame decides; it is far less than the share of a jump in which a foot stands.
 constexpr double kOnTheFloor = 0.02;
 float FloorUnderFeet_m(const std::vector<body::Pose>& poses) {
   body::WorldPose standing;
@@ -233,7 +233,7 @@ float FloorUnderFeet_m(const std::vector<body::Pose>& poses) {
   return lowest_m[place];
 }
 
-// The poses of an entry at `rate_hz`: what precedes the motion left out, resampled, put on the
+// The poses of an entry at `rate_hz`: without the part before the motion, resampled, put on the
 // floor, a loop repeated, then cut to its part in time.
 Result<std::vector<body::Pose>> ReadPoses(const clip::ManifestEntry& entry, double rate_hz,
                                           Binder& binder) {
@@ -301,7 +301,7 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
     return Status::Error("manifest " + manifest.name + ": no clip of split \"" + split + "\" has " +
                          std::to_string(min_frames) + " frames");
   }
-  const Status shown = TakePersonsOut(parameters.rate_hz, clips);
+  const Status shown = RemovePersons(parameters.rate_hz, clips);
   if (!shown.ok()) return Status::Error("manifest " + manifest.name + ": " + shown.message());
   for (TrainingClip& clip : clips) {
     RunFilters(parameters, clip.still_content < 0 ? 0 : manifest.still_speed_mps, clip);
@@ -349,7 +349,7 @@ FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
       window.resize(static_cast<std::size_t>(length) * erd::kFeatureCount);
       for (const bool mirrored : {false, true}) {
         FillWindow(clip, 0, length, mirrored, false, parameters, {.features = window.data()});
-        for (int t = 1; t < length; ++t) {  // the first frame's v = 0 is no velocity
+        for (int t = 1; t < length; ++t) {  // the first frame's v = 0 is not a velocity
           const Eigen::ArrayXd x =
               Eigen::Map<const Eigen::ArrayXf>(&window[t * erd::kFeatureCount], erd::kFeatureCount)
                   .cast<double>();

@@ -22,13 +22,13 @@ struct TrainingClip {
   std::vector<body::Pose> poses;
   // The heading filter's state after each frame, from the clip's first frame on.
   std::vector<float> heading_cos, heading_sin;
-  // How many frames up to and with each are still (Manifest::still_speed_mps); empty where the
+  // The number of still frames up to and including each (Manifest::still_speed_mps); empty if the
   // manifest has no [still].
   std::vector<int> still_count;
   int still_content = -1;
 
-  // The content of frames [start, start + length): the clip's, or that of standing where most of
-  // them are still.
+  // The content of frames [start, start + length): the clip's, or that of standing if most of them
+  // are still.
   int ContentOf(int start, int length) const;
 };
 
@@ -38,8 +38,8 @@ struct FeatureStatistics {
   erd::Features mean{}, deviation{};
 };
 
-// A performer whose rig is not well calibrated: every joint but the hips has a constant rotation on
-// top of its own, and the floor is too high or too low.
+// A performer whose rig is not well calibrated: every joint but the hips has a constant rotation in
+// addition to its own, and the floor is too high or too low.
 struct Miscalibration {
   std::array<body::Quat, body::kJointCount> rotations;
   float floor_m = 0.0F;
@@ -61,16 +61,16 @@ struct WindowView {
 // Writes frames [start, start + length) of a clip as the network sees them, through
 // erd::ComputeFeatures. With `session_start` (or start = 0) the first frame has v = 0 and an
 // unfiltered heading, as in a new session; otherwise the window continues the clip's own past. With
-// `wrong`, as a rig that is calibrated that badly would show it.
+// `wrong`, as shown by a rig with this miscalibration.
 void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, bool session_start,
                 const erd::FeatureParameters& parameters, const WindowView& out,
                 const Miscalibration* wrong = nullptr);
 
-// The poses of a loop, whose last frame shows the first again, repeated with its path going on
-// until there are at least `frames`.
+// The poses of a loop (its last frame equals the first), repeated with a continued path until there
+// are at least `frames`.
 std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int frames);
 
-// Reads every clip of `split` with at least `min_frames` frames at `rate_hz`, persons taken out
+// Reads every clip of `split` with at least `min_frames` frames at `rate_hz`, with persons removed
 // (persons.h). Errors name the file or the person.
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
@@ -95,7 +95,8 @@ FeatureStatistics ComputeStatistics(const std::vector<TrainingClip>& clips,
 // The hemisphere that statistics (or weights) define.
 void SetHemisphere(const erd::Features& mean, erd::FeatureParameters& parameters);
 
-// An error that says how to unpack the data if `folder` holds only archives of what is missing.
+// An error that says how to unpack the data if `folder` contains only archives of the missing
+// files.
 Status CheckDataFolder(const std::filesystem::path& folder);
 
 }  // namespace styled::train

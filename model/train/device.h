@@ -6,7 +6,7 @@
 
 namespace styled::train {
 
-// The device that the flag --device of a checked run (CheckRun) means here.
+// The device for the flag --device of a checked run (CheckRun) on this machine.
 torch::Device DeviceOf(const RunConfig& run);
 
 // Sets libtorch's threads and seeds it. A recipe calls it after its data are read and before its

@@ -8,7 +8,7 @@
 namespace styled::train {
 
 // A weighted mean of rotations by joint, for such as are not far apart: their sum, each in the
-// nearer sign. Pinned by the tests of reference.h and judge_visible.h.
+// nearer sign. Pinned by the tests of reference.h and judge/visible.h.
 class MeanCarriage {
  public:
   MeanCarriage() { sums_.fill(Eigen::Vector4d::Zero()); }

@@ -10,7 +10,7 @@
 namespace styled::train {
 namespace {
 
-// Looks at every frame of a clip, the first one as of a new session.
+// Processes every frame of a clip, the first one as in a new session.
 void Follow(const TrainingClip& clip, double rate_hz, const neutral::Reference& reference,
             neutral::Neutral& neutral) {
   const auto dt_s = static_cast<float>(1 / rate_hz);
@@ -19,20 +19,20 @@ void Follow(const TrainingClip& clip, double rate_hz, const neutral::Reference& 
   }
 }
 
-void TakeOut(const neutral::Known& known, double rate_hz, const neutral::Reference& reference,
-             TrainingClip& clip) {
+void RemoveCarriage(const neutral::Known& known, double rate_hz,
+                    const neutral::Reference& reference, TrainingClip& clip) {
   neutral::Neutral neutral;
   neutral.Know(known, reference);
   const auto dt_s = static_cast<float>(1 / rate_hz);
   for (body::Pose& pose : clip.poses) {
     neutral.Follow(pose, dt_s, false, reference);
-    neutral.TakeOut(pose, pose);
+    neutral.RemoveCarriage(pose, pose);
   }
 }
 
 }  // namespace
 
-Status TakePersonsOut(double rate_hz, std::vector<TrainingClip>& clips) {
+Status RemovePersons(double rate_hz, std::vector<TrainingClip>& clips) {
   std::map<std::string, neutral::Neutral> persons;
   for (const TrainingClip& clip : clips) {
     if (!clip.person.empty()) persons.try_emplace(clip.person);
@@ -41,8 +41,8 @@ Status TakePersonsOut(double rate_hz, std::vector<TrainingClip>& clips) {
   const std::optional<neutral::Reference> reference = MeasureReference(clips, rate_hz);
   if (!reference) {
     return Status::Error(
-        "persons need neutral clips of the set's own performers in which somebody stands and "
-        "walks; the manifest has none");
+        "persons need neutral clips of the set's own performers that show standing and "
+        "walking; the manifest has none");
   }
   for (const TrainingClip& clip : clips) {
     if (!clip.person.empty()) Follow(clip, rate_hz, *reference, persons.at(clip.person));
@@ -56,7 +56,7 @@ Status TakePersonsOut(double rate_hz, std::vector<TrainingClip>& clips) {
     }
   }
   for (TrainingClip& clip : clips) {
-    if (!clip.person.empty()) TakeOut(known.at(clip.person), rate_hz, *reference, clip);
+    if (!clip.person.empty()) RemoveCarriage(known.at(clip.person), rate_hz, *reference, clip);
   }
   return Status::Ok();
 }

@@ -28,9 +28,9 @@ struct MonitorReport {
 // in the table of model/tools/styletrain.cpp.
 //
 // A recipe is made for one run, from its flags and its data, with everything in place that does not
-// depend on where the run starts. Calls come from one thread, in this order: Start or Restore,
-// once; then Step, and between steps any of the others. Errors that the user can mend are a Status
-// whose message names the flag or the file. Any function may also throw what libtorch throws (a
+// depend on the starting point. Calls come from one thread, in this order: Start or Restore, once;
+// then Step, and between steps any of the others. Errors that the user can fix are a Status whose
+// message names the flag or the file. Any function may also throw libtorch's exceptions (a
 // std::exception); the trainer ends the run with its message, and the last checkpoint stays.
 //
 // Given the same flags, data, seed and device, the iterations after Restore must be bit for bit
@@ -43,7 +43,7 @@ class Recipe {
   // The family's name in flags, checkpoints and weights files, such as "style-erd"; constant.
   virtual std::string_view family() const = 0;
 
-  // Begins a new run: initial weights, and what is trained before the first iteration. May take
+  // Begins a new run: initial weights, and any training before the first iteration. May take
   // minutes and print progress to stdout.
   virtual Status Start() = 0;
 
@@ -57,21 +57,21 @@ class Recipe {
   // new sums. The columns of log.csv after iteration, elapsed_s and progress; unweighted, so that
   // runs with different weights can be compared. Waits for the device.
   virtual Figures PopLosses(int iterations) = 0;
-  // False where a trained parameter is infinite or not a number. Waits for the device.
+  // False if a trained parameter is infinite or not a number. Waits for the device.
   virtual bool Finite() const = 0;
   virtual MonitorReport Monitor() const = 0;
 
-  // Adds to `checkpoint` all tensors and optimizer states that the next Step depends on, and what
-  // ExportWeights needs. `wall_time_s`: of the run until now, for the metadata of the weights.
-  // Tensors may share memory with the recipe's: the checkpoint is to be written before the next
-  // Step. Names of the trainer's own (model/train/checkpoint.h) are not to be used.
+  // Adds to `checkpoint` all tensors and optimizer states that the next Step depends on, and those
+  // that ExportWeights needs. `wall_time_s`: of the run until now, for the metadata of the weights.
+  // Tensors may share memory with the recipe's: the checkpoint must be written before the next
+  // Step. Names of the trainer's own (model/train/checkpoint.h) are reserved.
   virtual void Save(double wall_time_s, Checkpoint& checkpoint) const = 0;
   // Continues where Save was called. Refuses a checkpoint of other data or of another batch size;
   // the recipe is then unusable. `checkpoint` is of this family.
   virtual Status Restore(const Checkpoint& checkpoint) = 0;
 
-  // Writes the weights file that the family's runtime loads (model/net) from what Save added to
-  // `checkpoint`; atomically. This file is also what a validation judges.
+  // Writes the weights file that the family's runtime loads (model/net) from the content that Save
+  // added to `checkpoint`; atomically. A validation judges this file, too.
   virtual Status ExportWeights(const Checkpoint& checkpoint,
                                const std::filesystem::path& file) const = 0;
 };

@@ -30,7 +30,7 @@ float SpeedAt(const std::vector<Pose>& poses, std::size_t at, double rate_hz) {
 
 std::optional<neutral::Reference> MeasureReference(std::span<const TrainingClip> clips,
                                                    double rate_hz) {
-  neutral::Reference reference;  // its speeds tell a walk
+  neutral::Reference reference;  // its speeds separate walks
   MeanCarriage standing, walking, running;
   for (const TrainingClip& clip : clips) {
     if (clip.style != 0 || !clip.person.empty()) continue;

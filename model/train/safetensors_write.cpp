@@ -1,59 +1,18 @@
 #include "model/train/safetensors_write.h"
 
-#include <cstdint>
-#include <fstream>
-#include <nlohmann/json.hpp>
-
-#include "model/train/checkpoint.h"
+#include "model/net/safetensors.h"
 
 namespace styled::train {
-namespace {
-
-using torch::Tensor;
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kAlignment = 8;  // bytes; the data begin at a multiple of it
-
-// What stands before the data: each tensor's type, shape and place, padded with spaces.
-std::string Header(const NamedTensors& tensors, const std::string& metadata) {
-  Json header;
-  header["__metadata__"] = {{"styled", metadata}};
-  int64_t offset = 0;
-  for (const auto& [name, tensor] : tensors) {
-    const int64_t bytes = tensor.numel() * static_cast<int64_t>(sizeof(float));
-    header[name] = {{"dtype", "F32"},
-                    {"shape", tensor.sizes().vec()},
-                    {"data_offsets", {offset, offset + bytes}}};
-    offset += bytes;
-  }
-  std::string text = header.dump();
-  text.append((kAlignment - text.size() % kAlignment) % kAlignment, ' ');
-  return text;
-}
-
-void WriteLittleEndian(uint64_t value, std::ostream& out) {
-  for (int byte = 0; byte < 8; ++byte) {
-    out.put(static_cast<char>(value & 0xFFU));
-    value >>= 8;
-  }
-}
-
-}  // namespace
 
 Status WriteSafetensors(const NamedTensors& tensors, const std::string& metadata,
                         const std::filesystem::path& file) {
-  const std::string header = Header(tensors, metadata);
-  std::ofstream out(PartialFile(file), std::ios::binary);
-  WriteLittleEndian(header.size(), out);
-  out.write(header.data(), static_cast<std::streamsize>(header.size()));
+  std::vector<net::NamedTensor> plain;
   for (const auto& [name, tensor] : tensors) {
-    const Tensor plain = tensor.detach().cpu().to(torch::kFloat32).contiguous();
-    out.write(static_cast<const char*>(plain.data_ptr()),
-              plain.numel() * static_cast<int64_t>(sizeof(float)));
+    const torch::Tensor values = tensor.detach().cpu().to(torch::kFloat32).contiguous();
+    const float* const begin = values.data_ptr<float>();
+    plain.push_back({name, values.sizes().vec(), {begin, begin + values.numel()}});
   }
-  out.close();
-  if (!out) return Status::Error(file.string() + ": cannot be written");
-  return ReplaceByPartial(file);
+  return net::WriteSafetensors(file, plain, {{"styled", metadata}});
 }
 
 }  // namespace styled::train

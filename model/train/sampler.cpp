@@ -65,7 +65,7 @@ void Sampler::FindPlaces() {
       if (!cell.places.empty()) cells_[style].push_back(std::move(cell));
     }
   }
-  // 3. Of a neutral window's contents, those that its target has.
+  // 3. The contents of a neutral window that its target has.
   paired_.resize(options_.styles);
   for (int style = 0; style < options_.styles; ++style) {
     for (std::size_t i = 0; i < cells_[0].size(); ++i) {

@@ -10,12 +10,12 @@
 
 namespace styled::train {
 
-// Which windows a batch is made of. A batch has `2 * per_style` slots for each style besides
-// neutral, in order of style: first `per_style` neutral windows that are transferred to the style,
-// then `per_style` windows of the style that are transferred to neutral. A slot keeps its role, so
-// that recurrent states can be carried from one iteration to the next. Contents are drawn evenly,
-// of a content the folders that have it, of a folder the windows; a neutral window mostly has a
-// content in which its target style was recorded. Deterministic; Save and Restore are exact.
+// Chooses the windows of a batch. A batch has `2 * per_style` slots for each style besides neutral,
+// in order of style: first `per_style` neutral windows that are transferred to the style, then
+// `per_style` windows of the style that are transferred to neutral. A slot keeps its role, so that
+// recurrent states can be carried from one iteration to the next. Contents are drawn evenly, then
+// the folders that have the content, then its windows; a neutral window mostly has a content in
+// which its target style was recorded. Deterministic; Save and Restore are exact.
 class Sampler {
  public:
   struct Options {
@@ -50,15 +50,15 @@ class Sampler {
   int InputStyle(int slot) const;
   int TargetStyle(int slot) const;
 
-  // The next batch, one window per slot. A carried window continues the last one where the clip is
-  // long enough, else it is a random one that starts warm.
+  // The next batch, one window per slot. A carried window continues the last one if the clip is
+  // long enough; otherwise it is a random one with carried states.
   const std::vector<Window>& Next();
 
   // Whether any neutral clip has a frame that idle windows can be made of: both feet and the hands
   // down.
   bool HasIdleFrames() const { return !idle_.empty(); }
 
-  // A window of `style`, of any content that it has, beside the batches.
+  // A window of `style`, of any content that it has, outside the batches.
   Window Draw(int style);
 
   std::string Save() const;

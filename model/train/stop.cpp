@@ -12,7 +12,7 @@ namespace {
 std::atomic<int> asked = 0;  // lock-free, so a signal handler may set it
 struct sigaction before_int, before_term;
 
-// Only what a signal handler may call.
+// Only calls that a signal handler may make.
 void Ask(int signal) {
   asked = signal;
   constexpr std::string_view kText =

@@ -2,10 +2,9 @@
 
 namespace styled::train {
 
-// While it lives, the first SIGINT or SIGTERM asks the run to end after the step that is under way,
-// and says so on standard error; the second one ends the process at once, as without it. One at a
-// time; the handlers that were there come back at its end. Pinned by
-// tests/unit/train/stop_test.cpp.
+// While it lives, the first SIGINT or SIGTERM asks the run to end after the current step, and
+// prints that on standard error; the second one ends the process at once, as without it. One at a
+// time; its destructor restores the former handlers. Pinned by tests/unit/train/stop_test.cpp.
 class StopOnSignal {
  public:
   StopOnSignal();
@@ -14,7 +13,7 @@ class StopOnSignal {
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 };
 
-// The signal that asked, 0 if none did since the last StopOnSignal began. Any thread.
+// The signal that was received, 0 if none since the last StopOnSignal began. Any thread.
 int StopSignal() noexcept;
 
 }  // namespace styled::train

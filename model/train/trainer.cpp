@@ -24,7 +24,7 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Appends to a CSV file; the header goes first where the file is new or had other columns.
+// Appends to a CSV file; the header is written first if the file is new or had other columns.
 void AppendRow(const std::filesystem::path& file, const std::string& header,
                const std::string& row) {
   std::string present;
@@ -61,7 +61,7 @@ class Session {
   Status Begin();
   Status Restore();
   bool Over(double progress) const;
-  Status AfterStep(double progress);  // whatever is due
+  Status AfterStep(double progress);  // everything that is due
   Status SaveAndSay();                // after a signal
   Status Log(double progress);
   void LogMonitor();

@@ -20,8 +20,8 @@ using synthetic::Motion;
 
 constexpr float kUnitTolerance = 1e-3F;  // of a rotation's length
 constexpr double kLongestStep_s = 0.1;   // the longest step, for networks of a lower rate
-// Variations of each style: those whose codes are looked at, since one value of the weights takes
-// part in some only; and those that are decoded, the fewest that differ.
+// Variations of each style: the number whose codes are checked, since one value of the weights
+// affects only some of them; and the number that are decoded, the fewest that differ.
 constexpr std::uint64_t kVariations = 32, kDecodedVariations = 2;
 
 // One style applied to the performer, or (`own`) given as the performer's input style.
@@ -124,7 +124,7 @@ std::optional<Fault> Judge(const Angles& found, float most_rad, const char* what
                     Shown(most_rad), Shown(found.rms_rad), Shown(found.largest_rad))};
 }
 
-// Judges a prediction for `pose`. The hips are compared in the prediction's heading frame.
+// Checks a prediction for `pose`. The hips are compared in the prediction's heading frame.
 std::optional<Fault> Judge(const body::Pose& pose, const net::Prediction& out, Figures& figures) {
   if (auto fault = Judge(out.reconstruction, "the reconstruction", figures)) return fault;
   if (auto fault = Judge(out.styled, "the styled pose", figures)) return fault;
@@ -139,7 +139,7 @@ std::optional<Fault> Judge(const body::Pose& pose, const net::Prediction& out, F
                "the change by the style", figures.change_rad);
 }
 
-// `style`: which, and how it was asked for. "style 'old'"
+// Names the style and how it was requested. "style 'old'"
 Status Refusal(const std::string& name, const std::string& style, std::size_t frame,
                std::size_t frames, const Fault& fault) {
   return Status::Error(
@@ -182,7 +182,7 @@ struct ClipRun {
   std::string text;  // as errors name it
 };
 
-// Are all variations' codes finite?
+// Whether all variations' codes are finite.
 Status CheckCodes(const net::Model& model, const net::StyleSpace& space, const std::string& name) {
   for (int style = 0; style < static_cast<int>(model.styles.size()); ++style) {
     for (std::uint64_t seed = 1; seed <= kVariations; ++seed) {
@@ -200,8 +200,9 @@ Status CheckCodes(const net::Model& model, const net::StyleSpace& space, const s
   return Status::Ok();
 }
 
-// Every way to a style code: a style's mean, its variations, and an example without a label, which
-// are `poses`; and every style as the performer's own, whose code is that of `poses` as an example.
+// Every source of a style code: a style's mean, its variations, and an example without a label,
+// which is `poses`; and every style as the performer's own, whose code is that of `poses` as an
+// example.
 std::vector<ClipRun> MakeClipRuns(const net::Model& model, std::span<const body::Pose> poses) {
   std::vector<ClipRun> runs;
   const auto add = [&runs](const net::StyleSource& source, const std::string& text) {
@@ -274,7 +275,7 @@ Status Try(const net::ClipStylizer& network, const std::string& name, Figures* f
     for (const body::Pose& pose : poses) stream->Add(pose);
     stream->End();
     net::Prediction out;
-    for (std::size_t frame = 0; stream->Take(out); ++frame) {
+    for (std::size_t frame = 0; stream->Pop(out); ++frame) {
       if (const auto fault = Judge(poses[frame], out, worst)) {
         return Refusal(name, run.text, frame, poses.size(), *fault);
       }

@@ -13,16 +13,15 @@
 namespace styled::trial {
 
 // Weights may be well-formed and finite and still compute something that is not a pose: one tensor
-// too large, and every frame is NaN. So a network is tried before it is used. The synthetic
+// too large, and every frame is NaN. Therefore a network is tested before it is used. The synthetic
 // performer walks, runs, turns and raises both hands for kTrial_s at the network's own rate, with
 // every style at kMaxStrength (the largest allowed) and with every style as the input style; a
-// network with a space of styles also by an example, one of whole clips with variations of every
-// style, too. Allocates; takes
-// milliseconds, for a network of whole clips a second: for start-up and reload only. Pinned by
-// tests/unit/trial/trial_test.cpp.
+// network with a space of styles also with an example, a network of whole clips with variations of
+// every style, too. Allocates; takes milliseconds, for a network of whole clips a second: for
+// start-up and reload only. Pinned by tests/unit/trial/trial_test.cpp.
 inline constexpr double kTrial_s = 3.5;
 
-// What a trial measured: the largest value of all styles and frames.
+// The measurements of a trial: the largest value of all styles and frames.
 struct Figures {
   float reconstruction_rad = 0;  // rms over joints between the pose and its reconstruction
   float change_rad = 0;          // rms over joints between reconstruction and styled pose
@@ -34,7 +33,7 @@ struct Figures {
 // model/weights/RESULTS.md, "The trial run".
 inline constexpr Figures kMost{1.8F, 1.8F, 1000.0F, 100.0F};
 
-// Tries `network`. The error names `name` (its file), style, frame, joint, what was expected and
+// Tests `network`. The error names `name` (its file), style, frame, joint, what was expected and
 // what was found. `figures`, if given, is written on success only.
 Status Try(const net::Stylizer& network, const std::string& name, Figures* figures = nullptr);
 Status Try(const net::ClipStylizer& network, const std::string& name, Figures* figures = nullptr);

@@ -14,7 +14,7 @@ bool Same(std::string_view a, std::string_view b) noexcept {
                     [](char x, char y) { return Lower(x) == Lower(y); });
 }
 
-// Whether `name` is a sided one with _L or _R, as iFacialMocap writes it.
+// Whether `name` has a side as _L or _R, as iFacialMocap writes it.
 bool IsShort(std::string_view name, const Sided& sided) noexcept {
   return sided.side != 0 && name.size() == sided.stem.size() + 2 &&
          name[sided.stem.size()] == '_' && Lower(name.back()) == Lower(sided.side) &&

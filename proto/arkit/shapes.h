@@ -8,7 +8,7 @@
 
 #include "model/base/realtime.h"
 
-// The 52 facial expressions of Apple's ARKit, which phones measure, and what they are on avatars
+// The 52 facial expressions of Apple's ARKit, which phones measure, and their mapping to avatars
 // that only have VRM's presets. Pure functions; any thread; nothing here allocates or throws.
 // Pinned by tests/unit/arkit.
 namespace styled::arkit {
@@ -44,17 +44,17 @@ struct Sided {
 };
 STYLED_REALTIME Sided SideOf(std::string_view name) noexcept;
 
-// The index of a shape's name: in any case, with Left and Right at the end or _L and _R. Nothing
-// for other names.
+// The index of a shape's name: in any case, with Left and Right at the end or _L and _R. Empty for
+// other names.
 STYLED_REALTIME std::optional<std::size_t> Find(std::string_view name) noexcept;
 
 // VRM 0's presets of a face, by the names that VMC sends. An avatar without the 52 shows these.
 inline constexpr std::array<std::string_view, 11> kPresets{
     "Blink_L", "Blink_R", "A", "I", "U", "E", "O", "Joy", "Angry", "Sorrow", "Fun"};
 
-// What the 52 weights, 0 .. 1 each, are as presets. Vowels come from the opening of the jaw and the
-// shape of the lips; a preset's parts are not sent beside it, so nothing adds up twice. Our own
-// mapping: no standard has one.
+// Maps the 52 weights, 0 .. 1 each, to the presets. Vowels come from the opening of the jaw and the
+// shape of the lips. The shapes that make up a preset are not sent in addition to it, so nothing
+// adds up twice. This is our own mapping: no standard has one.
 STYLED_REALTIME void ToPresets(std::span<const float, kShapes> shapes,
                                std::span<float, kPresets.size()> presets) noexcept;
 

@@ -42,7 +42,7 @@ Status CheckKind(const std::string& path) {
                             : S_ISLNK(about.st_mode) ? "a symbolic link"
                                                      : "a pipe or a device";
   return Status::Error(std::string("there is ") + found +
-                       "; expected a free path, or a socket that is not in use any more");
+                       "; expected a free path, or a socket that is no longer in use");
 }
 
 Status CheckFree(const std::string& path) {

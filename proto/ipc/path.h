@@ -9,7 +9,7 @@
 // Start-up only.
 namespace styled::ipc {
 
-// Refuses a path that holds anything but a socket. Errors say what is there.
+// Refuses a path that holds anything but a socket. Errors name the kind of file.
 Status CheckKind(const std::string& path);
 
 // CheckKind, and also refuses a socket at which a program listens. The check connects to that

@@ -23,7 +23,7 @@ namespace styled::keys {
 
 inline constexpr std::size_t kKeyCharacters = 40;  // of Z85, for 32 bytes
 
-// What a client's key permits at the daemon.
+// The permissions of a client's key at the daemon.
 enum class Role : std::uint8_t {
   kSubscriber,  // frames only
   kOperator     // frames and the control socket

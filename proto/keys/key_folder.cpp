@@ -81,18 +81,18 @@ Status CheckPrivate(const struct stat& about, const std::string& file, const Sec
   if ((about.st_mode & 0777U & ~allowed) == 0) return Status::Ok();
   return Refuse(file, "others may read it (mode " + Octal(about.st_mode) + "), and it holds " +
                           secret.holds + "; expected 0600: chmod 600 " + file + ", or make " +
-                          secret.replacement + " if somebody may have read it");
+                          secret.replacement + " if it may have been read");
 }
 
 // Only root and `owner`, the owner of the folder of keys, may own the file.
 Status CheckNotWritable(const struct stat& about, const std::string& file, uid_t owner) {
   if ((about.st_mode & kOthersWrite) != 0) {
     return Refuse(file, "others may write to it (mode " + Octal(about.st_mode) +
-                            "), and so let themselves in; expected chmod go-w");
+                            "), and could give themselves access; expected chmod go-w");
   }
   if (about.st_uid != owner && about.st_uid != 0) {
     return Refuse(file, "belongs to user " + std::to_string(about.st_uid) +
-                            ", who could let anybody in; expected root or user " +
+                            ", who could give anyone access; expected root or user " +
                             std::to_string(owner));
   }
   return Status::Ok();
@@ -146,7 +146,7 @@ Status Write(const std::string& file, const std::string& text, mode_t mode, bool
   const int error = errno;
   if (!done || !replace) unlink(fresh.c_str());
   if (done) return Status::Ok();
-  return Refuse(file, error == EEXIST ? "is there already; remove it first if it is not needed"
+  return Refuse(file, error == EEXIST ? "exists already; remove it first if it is not needed"
                                       : std::strerror(error));
 }
 
@@ -192,7 +192,7 @@ Result<std::vector<std::string>> ListNames(const std::string& folder) {
   return names;
 }
 
-// Whether the error is temporary and says nothing about the file.
+// Whether the error is temporary and tells nothing about the file.
 bool IsPassing(int error) { return error == EMFILE || error == ENFILE || error == ENOMEM; }
 
 // `passing`: the error is temporary, and not the file's fault.
@@ -313,10 +313,10 @@ Result<Clients> ReadClients(const std::string& folder) {
 Status Allow(const std::string& folder, const Client& client) {
   if (!IsClientName(client.name)) {
     return Status::Error("'" + client.name +
-                         "' is no name of a client; expected 1 to 32 of A-Z a-z 0-9 _ -");
+                         "' is not a client's name; expected 1 to 32 of A-Z a-z 0-9 _ -");
   }
   if (!IsKey(client.key)) {
-    return Status::Error("'" + client.key + "' is no public key; expected 40 characters of Z85");
+    return Status::Error("'" + client.key + "' is not a public key; expected 40 characters of Z85");
   }
   if (const Status status = CheckFolder(folder, OwnerOf(folder)); !status.ok()) return status;
   const auto known = ReadClients(folder);

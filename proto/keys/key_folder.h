@@ -36,13 +36,13 @@ std::string ClientsFolder(const std::string& folder);
 bool IsClientName(std::string_view name) noexcept;
 
 // Reads a pair of keys. Refuses a file that others can read (more than 0600; 0640 is accepted if
-// root owns it and the process is not root, because systemd hands over credentials so), that
+// root owns it and the process is not root, because systemd passes credentials in this way), that
 // another user owns, or that holds no secret key.
 Result<KeyFile> ReadPair(const std::string& file);
 // Reads a file that holds a token, at most 4096 bytes. Refuses, like ReadPair, a file that others
 // can read or that another user owns.
 Result<std::string> ReadTokenFile(const std::string& file);
-// Reads the public key of a file, whatever else it holds.
+// Reads the public key of a file, whatever else the file holds.
 Result<std::string> ReadPublicKey(const std::string& file);
 // Writes a pair with mode 0600. Refuses to replace a file.
 Status WritePair(const std::string& file, const KeyFile& pair);

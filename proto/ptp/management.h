@@ -9,7 +9,7 @@
 #include <variant>
 
 // Management messages of IEEE 1588-2008 (clause 15), as ptp4l answers them on its UNIX socket: the
-// GET requests of four data sets, and their replies. All numbers are big-endian. No allocation but
+// GET requests of four data sets, and their replies. All numbers are big-endian. Allocates only
 // where a string is returned. Pinned by tests/unit/ptp (replies of a real ptp4l) and
 // tests/witness/ptp.
 namespace styled::ptp {
@@ -50,7 +50,7 @@ enum class PortState : std::uint8_t {
   kUncalibrated,
   kSlave,
 };
-// "SLAVE"; "NONE" for what is no state.
+// "SLAVE"; "NONE" for a value that is not a state.
 std::string Text(PortState state);
 struct Port {
   std::uint16_t number = 0;
@@ -65,7 +65,8 @@ struct Reply {
   std::uint8_t domain = 0;
   std::variant<Current, Parent, TimeProperties, Port> data;
 };
-// Nothing for what is no reply to such a request: another message, an error, a cut one.
+// Empty if the message is not a reply to such a request: another message, an error, or a truncated
+// one.
 std::optional<Reply> Read(std::span<const std::byte> message);
 
 }  // namespace styled::ptp

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "proto/rigs/native/datagram.h"
+#include "model/base/crc32c.h"
 #include "proto/rigs/native/header.h"
 
 namespace styled::recording {
@@ -32,7 +32,7 @@ std::array<std::byte, kPreambleSize> Preamble() {
   return bytes;
 }
 
-std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept { return native::Crc32c(bytes); }
+std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept { return Crc32c(bytes); }
 
 void EncodeBlockHeader(const BlockHeader& header,
                        std::span<std::byte, kBlockHeaderSize> out) noexcept {

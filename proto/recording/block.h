@@ -50,7 +50,7 @@ void EncodeBlockHeader(const BlockHeader& header,
 // kMaxRawSize.
 std::optional<BlockHeader> DecodeBlockHeader(
     std::span<const std::byte, kBlockHeaderSize> bytes) noexcept;
-// CRC-32C, the same as native::Crc32c.
+// CRC-32C (model/base/crc32c.h).
 std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept;
 
 // Collects messages and encodes them as blocks. One thread at a time; allocates.
@@ -68,8 +68,8 @@ class BlockBuilder {
   std::uint32_t records() const { return records_; }
   std::size_t raw_size() const { return raw_.size(); }
 
-  // Encodes what was added as one block, valid until the next call of any function here. Afterwards
-  // the builder is empty, and its next block has the next number.
+  // Encodes the added messages as one block, valid until the next call of any function here.
+  // Afterwards the builder is empty, and its next block has the next number.
   std::span<const std::byte> Close();
   // Encodes the file's first block, number 0. Call it before anything else. A header larger than
   // kMaxRecordSize loses its configuration text.

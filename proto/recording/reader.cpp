@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kSearchStep = 4U << 10U;
 // After a block with a wrong checksum the search continues within it, because bytes of it may be
-// missing. After so many such bytes it continues behind it, which bounds the time for any file.
+// missing. After this many such bytes it continues behind it, which bounds the time for any file.
 constexpr std::uint64_t kPatience = 64U << 20U;
 
 class Memory final : public Input {
@@ -108,7 +108,7 @@ Result<std::unique_ptr<Input>> FileInput(const std::filesystem::path& file) {
   struct stat about {};
   if (fstat(fd, &about) != 0 || !S_ISREG(about.st_mode)) {
     close(fd);
-    return Status::Error(file.string() + ": found no regular file, expected a recording");
+    return Status::Error(file.string() + ": not a regular file; expected a recording");
   }
   return std::unique_ptr<Input>(
       std::make_unique<File>(fd, static_cast<std::uint64_t>(about.st_size)));

@@ -30,7 +30,7 @@ struct Damage {
   std::uint64_t offset = 0, bytes = 0;
 };
 
-// What the reader has found so far.
+// The damage and the counts that the reader has found so far.
 struct ReadCounts {
   std::uint64_t blocks = 0, records = 0;
   std::vector<Damage> damage;  // the first kDamageListed places

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kNap{5};  // waits in addition to the age of a block
 
-enum class Kind : std::uint8_t { kArrival, kTransfer, kPublished, kCommand, kNote };
+enum class Kind : std::uint8_t { kArrival, kTransfer, kPublished, kCommand, kNote, kDecided };
 
 // The beginning of every ring entry. It is followed by `head_size` bytes (peer, device or topic),
 // then the payload.
@@ -120,6 +120,12 @@ bool RecordingThread::PushCommand(std::int64_t time_ns, const Command& command) 
   return Push({BytesOf(head), std::as_bytes(std::span(bytes))});
 }
 
+bool RecordingThread::PushDecided(std::int64_t time_ns, const Decided& decided) {
+  const EntryHead head{time_ns, 0, 0, Kind::kDecided};
+  const std::string bytes = decided.SerializeAsString();
+  return Push({BytesOf(head), std::as_bytes(std::span(bytes))});
+}
+
 bool RecordingThread::PushNote(std::int64_t time_ns, std::string_view text) noexcept {
   const EntryHead head{time_ns, 0, 0, Kind::kNote};
   return Push({BytesOf(head), std::as_bytes(std::span(text))});
@@ -180,6 +186,8 @@ bool RecordingThread::Decode(std::span<const std::byte> entry) {
       return true;
     case Kind::kCommand:
       return record_.mutable_command()->ParseFromArray(rest.data(), static_cast<int>(rest.size()));
+    case Kind::kDecided:
+      return record_.mutable_decided()->ParseFromArray(rest.data(), static_cast<int>(rest.size()));
     case Kind::kNote:
       record_.mutable_note()->set_text(ToString(rest));
       return true;

@@ -25,7 +25,8 @@ struct Origin {
 };
 
 struct RecordingThreadOptions {
-  std::size_t ring_bytes = 16U << 20U;  // a power of two; bounds what may wait for the disk
+  std::size_t ring_bytes = 16U << 20U;  // a power of two; bounds the data that may wait for the
+                                        // disk
   WriterOptions writer;
 };
 
@@ -48,10 +49,9 @@ class RecordingThread {
   // Writes all pushed entries and ends the thread. Push nothing afterwards.
   void Stop();
 
-  // Each Push returns false and increments dropped() if the ring is full, or if what is pushed is
-  // larger than a record may be (kMaxRecordSize, block.h). Times are those of
-  // MonotonicNow_ns(). `peer` may be null; `source` is an index into the origins; a topic is cut to
-  // 64 KiB.
+  // Each Push returns false and increments dropped() if the ring is full, or if the entry is larger
+  // than a record may be (kMaxRecordSize, block.h). Times are those of MonotonicNow_ns(). `peer`
+  // may be null; `source` is an index into the origins; a topic is cut to 64 KiB.
   STYLED_REALTIME bool PushArrival(std::int64_t time_ns, int source, const sockaddr* peer,
                                    socklen_t peer_size,
                                    std::span<const std::byte> datagram) noexcept;
@@ -61,6 +61,7 @@ class RecordingThread {
   STYLED_REALTIME bool PushPublished(std::int64_t time_ns, std::string_view topic,
                                      std::span<const std::byte> payload) noexcept;
   bool PushCommand(std::int64_t time_ns, const Command& command);  // allocates
+  bool PushDecided(std::int64_t time_ns, const Decided& decided);  // allocates
   bool PushNote(std::int64_t time_ns, std::string_view text) noexcept;
 
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }

@@ -22,7 +22,7 @@ struct WriterCounts {
   std::uint64_t lost = 0;       // records of blocks that could not be written
 };
 
-// Appends to a recording. Each block is one write(), so killing the process loses only what is
+// Appends to a recording. Each block is one write(), so killing the process loses only the records
 // younger than block_age_ns, and the file stays readable up to there. Data is never synchronized to
 // the disk: a power failure may lose what the operating system had not written yet. One thread at a
 // time; blocks on the disk; allocates. Pinned by tests/unit/recording/writer_test.cpp.
@@ -64,7 +64,7 @@ class FileWriter {
 };
 
 // Raises the calling thread's priority (nice -10), if the process is permitted to. On a busy
-// machine, records that wait for the writing thread are what a kill loses.
+// machine a kill loses the records that wait for the writing thread.
 void PreferThisThread() noexcept;
 
 // The clock of time_ns; and the header of a recording that begins now, with both times and the

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <span>
 
-// For codecs only: reading and writing the little-endian bytes of a rig's binary protocol. What
-// protocols differ in (counts, texts, headers) their own cursors add. Nothing here allocates,
-// blocks or throws. Pinned by the codecs' tests, tests/unit/natnet and tests/unit/qtm.
+// For codecs only: reading and writing the little-endian bytes of a rig's binary protocol. Each
+// protocol's own cursors add its counts, texts and headers. Nothing here allocates, blocks or
+// throws. Pinned by the codecs' tests, tests/unit/natnet and tests/unit/qtm.
 static_assert(std::endian::native == std::endian::little);
 
 namespace styled::rigs {
@@ -27,7 +27,7 @@ class ByteReader {
     if (ok()) result_ = why;
     bytes_ = {};
   }
-  std::span<const std::byte> Take(std::size_t size) noexcept {
+  std::span<const std::byte> Consume(std::size_t size) noexcept {
     if (size > bytes_.size()) {
       Fail(DecodeResult::kTruncated);
       return {};
@@ -40,7 +40,7 @@ class ByteReader {
   template <typename T>
   T Get() noexcept {
     T value{};
-    const auto taken = Take(sizeof(T));
+    const auto taken = Consume(sizeof(T));
     if (!taken.empty()) std::memcpy(&value, taken.data(), sizeof(T));
     return value;
   }
@@ -52,7 +52,7 @@ class ByteReader {
   DecodeResult result_ = DecodeResult::kOk;
 };
 
-// Writes from the front of `out`. After the first value that does not fit nothing more is written.
+// Writes from the front of `out`. After the first value that does not fit it writes nothing more.
 class ByteWriter {
  public:
   explicit ByteWriter(std::span<std::byte> out) noexcept : out_(out) {}
@@ -69,14 +69,14 @@ class ByteWriter {
   }
 
  protected:
-  // Overwrites what was put at `at`; does nothing where something did not fit.
+  // Overwrites the value at `at`; does nothing after a value that did not fit.
   template <typename T>
   void SetAt(std::size_t at, const T& value) noexcept {
     if (!full_) std::memcpy(&out_[at], &value, sizeof value);
   }
-  // The bytes written so far; 0 where something did not fit.
+  // The bytes written so far; 0 if a value did not fit.
   std::size_t Written() const noexcept { return full_ ? 0 : size_; }
-  // The same, but where something did not fit as far as it came.
+  // The bytes written so far, even if a value did not fit.
   std::size_t At() const noexcept { return size_; }
 
  private:

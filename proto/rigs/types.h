@@ -6,38 +6,40 @@
 #include <string>
 #include <string_view>
 
-// Which rigs there are, one row each: what daemon, simulator and clients have to know of a rig
-// besides its format. Nothing here knows the daemon.
+// The list of rigs, one row each: what daemon, simulator and clients need to know about a rig
+// besides its format. Nothing here depends on the daemon.
 //
 // A new rig is a row in STYLED_RIGS, and three functions named after it, in files of its own:
 //   daemon/source/rigs/  source::Make<Name>(const config::Source&): its translator
 //   sim/rigs/            rigs::Make<Name>(const Options&): its stand-in
-//   clients/cpp/doctor/  a case of Sniffer::Sniff for Format::k<Name>: what the doctor knows it by
+//   clients/doctor/  a case of Sniffer::Sniff for Format::k<Name>: what the doctor knows it by
 namespace styled::rigs {
 
 struct RigType {
   std::string_view word;  // for programs: stylesim --as, the doctor's --json
   std::string_view name;  // for people
-  // source.type in styled.toml, by how the bytes come; "" where they do not come that way.
+  // source.type in styled.toml, by transport; "" if the rig does not use that transport.
   std::string_view datagrams = "", stream = "", usb = "";
-  // Where a source listens when the configuration gives no address, numeric; "" = it must.
+  // Where a source listens when the configuration gives no address, numeric; "" = the address is
+  // required.
   std::string_view listen = "";
-  // A face for the performer of another source, without a body.
+  // The rig sends only a face, for the performer of another source.
   bool face_only = false;
-  // Whether it has them to be merged into the performer of another source (source.parts).
+  // Whether its face, or its fingers, can be merged into the performer of another source
+  // (source.parts).
   bool has_face = false, has_fingers = false;
-  // Whether source.server means something: whom we ask for data; source.expressions: the names that
-  // its expressions get.
+  // Whether source.server applies (the address to which data requests go), and source.expressions
+  // (the names that its expressions get).
   bool takes_server = false, takes_expressions = false;
-  // A server that is asked and answers, instead of a sender that finds us, and its usual port. With
-  // `stream` the transport connects to it.
+  // The rig is a server that answers requests, instead of a sender that connects to us; and its
+  // usual port. With `stream` the transport connects to it.
   bool asks_server = false;
   std::uint16_t server_port = 0;
   // Usual ports at the receiver, for the doctor; 0: none.
   std::array<std::uint16_t, 2> ports{};
-  // What its skeleton is called in model/rig/dialects.h; "" = the sender says.
+  // The name of its skeleton in model/rig/dialects.h; "" = the sender states it.
   std::string_view dialect = "";
-  // For the doctor: what to look for in the sender, one or two sentences.
+  // For the doctor: what to check in the sender, one or two sentences.
   std::string_view in_the_sender = "";
 };
 
@@ -47,7 +49,7 @@ struct RigType {
       .datagrams = "ifacialmocap", .listen = "0.0.0.0:49983", .face_only = true,              \
       .has_face = true, .takes_server = true, .takes_expressions = true, .ports = {49983},    \
       .in_the_sender =                                                                        \
-          "The phone starts when it is asked: set `server` of the source to the phone's "     \
+          "The phone sends on request: set `server` of the source to the phone's "     \
           "address, and open the app.")                                                       \
   RIG(LiveLinkFace, .word = "livelinkface", .name = "Live Link Face",                         \
       .datagrams = "livelinkface", .listen = "0.0.0.0:11111", .face_only = true,              \
@@ -121,11 +123,11 @@ STYLED_RIGS(STYLED_RIG)
 inline constexpr std::array kRigs = std::to_array<RigType>({STYLED_RIGS(STYLED_RIG)});
 #undef STYLED_RIG
 
-// One value of source.type: a rig and how its bytes come.
+// One value of source.type: a rig and a transport.
 struct SourceType {
   std::string_view name;
   bool stream = false;             // TCP
-  std::string_view usual_address;  // where nothing is said; "" = must be said
+  std::string_view usual_address;  // default if nothing is configured; "" = must be configured
   bool usb = false;                // no address at all
   const RigType* rig = &kNative;
 
@@ -170,7 +172,7 @@ inline std::string TypesWith(bool RigType::*what) {
 // The types whose face, or whose fingers, may be merged into a performer, "udp, tcp, usb, ...".
 inline std::string FaceTypes() { return detail::TypesWith(&RigType::has_face); }
 inline std::string FingerTypes() { return detail::TypesWith(&RigType::has_fingers); }
-// Those that source.server and source.expressions are for.
+// The types to which source.server and source.expressions apply.
 inline std::string ServerTypes() { return detail::TypesWith(&RigType::takes_server); }
 inline std::string ExpressionTypes() { return detail::TypesWith(&RigType::takes_expressions); }
 

@@ -26,7 +26,7 @@ const LookField* FindLookField(std::string_view name) noexcept {
   return found == kLookFields.end() ? nullptr : found;
 }
 
-bool AsksForVariations(const v1::Look& look) {
+bool RequestsVariations(const v1::Look& look) {
   return (look.vary() > 0 || look.vary_each() || look.drift_s() > 0) && look.vary_amount() > 0;
 }
 

@@ -12,7 +12,7 @@
 #include "proto/styled/v1/frame.pb.h"
 #include "proto/styled/v1/look.pb.h"
 
-// The fields of v1::Look as every format spells them: the configuration and the state file (TOML),
+// The fields of v1::Look as every format spells them. The configuration and the state file (TOML),
 // stylectl (options and JSON) and OSC read and write a look by kLookFields, so that a new field of
 // a known kind is one line of look.proto and one row here. Allocates; not for the hot path. Pinned
 // by tests/unit/daemon/look_test.cpp.
@@ -23,7 +23,7 @@ struct LookNumber {
   float (v1::Look::*get)() const;
   void (v1::Look::*set)(float);
   float low, high, initial;  // in the unit of the name's suffix; the range is inclusive
-  bool whole = false;        // whole numbers alone
+  bool whole = false;        // whole numbers only
 };
 struct LookFlag {  // initially false
   bool (v1::Look::*has)() const;
@@ -61,46 +61,48 @@ inline constexpr auto kLookFields = std::to_array<LookField>({
                 net::kMaxStrength, 1}},
     {"transition_ms", "transition", "", "fade of this and later changes, ms",
      LookNumber{&v1::Look::has_transition_ms, &v1::Look::transition_ms,
-                &v1::Look::set_transition_ms, 0, net::kMaxTransition_s * 1000, 100}},
+                &v1::Look::set_transition_ms, 0, net::kMaxTransition_s * 1000,
+                net::kUsualTransition_s * 1000}},
     {"absolute", "absolute", "", "the network's pose as it is, not the performer's own detail",
      LookFlag{&v1::Look::has_absolute, &v1::Look::absolute, &v1::Look::set_absolute}},
     {"parts", "parts", "only", "the parts of the body that are styled, e.g. \"arms,head\"",
      LookParts{}},
-    {"input_style", "input_style", "from", "the style that the performer moves in already",
+    {"input_style", "input_style", "from", "the performer's own style, which is removed",
      LookName{&v1::Look::has_input_style, &v1::Look::input_style,
               [](v1::Look& look, const std::string& name) { look.set_input_style(name); }}},
     {"preset", "preset", "", "a mix of the daemon's configuration, by its name",
      LookName{&v1::Look::has_preset, &v1::Look::preset,
               [](v1::Look& look, const std::string& name) { look.set_preset(name); }}},
     {"root", "root", "",
-     "where on the floor: \"follow\" the performer, or \"stride\", their way at the style's speed",
+     "where on the floor: \"follow\" the performer, or \"stride\", their path at the style's speed",
      LookChoice{&v1::Look::has_root, [](const v1::Look& look) { return int{look.root()}; },
                 [](v1::Look& look, int root) { look.set_root(static_cast<v1::Root>(root)); },
                 kRootWords}},
     {"vary", "vary", "", "the variation of the style: 1 to 99; 0: the style itself",
      LookNumber{&v1::Look::has_vary, &v1::Look::vary, &v1::Look::set_vary, 0, net::kVariations, 0,
                 true}},
-    {"vary_each", "vary_each", "", "every performer has a variation of their own",
+    {"vary_each", "vary_each", "", "each performer gets a different variation",
      LookFlag{&v1::Look::has_vary_each, &v1::Look::vary_each, &v1::Look::set_vary_each}},
     {"vary_amount", "amount", "", "of the variation: 0 (the style itself) to 1.5",
      LookNumber{&v1::Look::has_vary_amount, &v1::Look::vary_amount, &v1::Look::set_vary_amount, 0,
                 net::kMaxStrength, 1}},
-    {"drift_s", "drift", "", "the variation wanders: seconds to the next; 0: it stays",
+    {"drift_s", "drift", "", "the variation changes slowly: seconds to the next one; 0: constant",
      LookNumber{&v1::Look::has_drift_s, &v1::Look::drift_s, &v1::Look::set_drift_s, 0,
                 net::kMaxDrift_s, 0}},
 });
 
 // Whether a look asks for variations of its styles.
-bool AsksForVariations(const v1::Look& look);
+bool RequestsVariations(const v1::Look& look);
 
-// Whether the field can have this value; false for NaN. And what it expects, e.g. "0 to 1.5".
+// Whether the field can have this value (false for NaN); and the description of its range, e.g. "0
+// to 1.5".
 bool IsIn(const LookNumber& number, double value);
 std::string Expected(const LookNumber& number);
 
 // The field with this name, word or former name, or null.
 const LookField* FindLookField(std::string_view name) noexcept;
 
-// The number of a choice's word; none if it has no such word. And all words, e.g. "a or b".
+// The number of a choice's word, empty if it has no such word; and all words, e.g. "a or b".
 std::optional<int> FindChoice(const LookChoice& choice, std::string_view word);
 std::string ChoiceWords(const LookChoice& choice);
 // The word of the look's choice; that of an unknown number is the first.

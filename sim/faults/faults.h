@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <random>
 #include <string_view>
-#include <vector>
 
 #include "model/base/status.h"
 
@@ -26,8 +25,8 @@ enum class Fault : std::uint8_t {
   kOversized,  // valid, nearly 64 KiB, with thousands of joints
   kRestart,    // the sender stops for Spec::restart_pause_ms, then starts a new session at frame 0
   kLate,       // sent Spec::late_ms late, after newer frames
-  // Held back with the frames after it, Spec::burst_frames in all, and sent at once; the others of
-  // the burst have no fault of their own.
+  // Held back with the frames after it, Spec::burst_frames in total, and sent at once; the others
+  // of the burst have no fault of their own.
   kBurst,
   kStep,  // the rig's clock jumps by Spec::step_s before this frame
   // A joint, not the root, is not tracked (NaN) for Spec::occlude_frames frames from here.

@@ -75,7 +75,7 @@ class UdpLink final : public Link {
     if (error) return Status::Error(error.message());
     // Oversized datagrams need this buffer; if it is refused, the default remains.
     socket_.set_option(asio::socket_base::send_buffer_size(1 << 20), error);
-    AskForErrors();
+    RequestErrors();
     return Status::Ok();
   }
 
@@ -87,7 +87,7 @@ class UdpLink final : public Link {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       socket_.send_to(asio::buffer(datagram.data(), datagram.size()), receiver_, 0, error);
       if (!error) return Status::Ok();
-      if (!TakeErrors()) break;
+      if (!ReadErrors()) break;
     }
     return Status::Error("sending by UDP: " + error.message());
   }
@@ -97,14 +97,14 @@ class UdpLink final : public Link {
   }
 
   std::uint64_t refused() override {
-    TakeErrors();
+    ReadErrors();
     return refused_;
   }
 
  private:
   static constexpr int kAttempts = 4;  // errors may arrive as fast as datagrams leave
 
-  void AskForErrors() {
+  void RequestErrors() {
     const int on = 1;
     if (receiver_.address().is_v6()) {
       setsockopt(socket_.native_handle(), IPPROTO_IPV6, IPV6_RECVERR, &on, sizeof on);
@@ -114,7 +114,7 @@ class UdpLink final : public Link {
   }
 
   // Empties the error queue. False: it was empty.
-  bool TakeErrors() {
+  bool ReadErrors() {
     bool any = false;
     alignas(cmsghdr) std::array<char, 512> control{};
     for (;;) {
@@ -165,7 +165,7 @@ class ServerLink final : public Link {
       return !newest_ && now - client.second > std::chrono::seconds(5);
     });
     for (const auto& [client, heard] : clients_) {
-      error_code ignored;  // a client that has left is no reason to stop
+      error_code ignored;  // a client that has left is not a reason to stop
       socket_.send_to(asio::buffer(datagram.data(), datagram.size()), client, 0, ignored);
     }
     return Status::Ok();
@@ -193,8 +193,8 @@ class ServerLink final : public Link {
   std::map<asio::ip::udp::endpoint, std::chrono::steady_clock::time_point> clients_;
 };
 
-// A target that is lost is asked for anew once a second, without waiting for it: the next records
-// are those of a rig that others receive, too.
+// A lost target is reconnected once a second, without waiting for it: the next records are those of
+// a rig that others receive, too.
 class TcpLink final : public Link {
  public:
   Status Open(const Address& address, double wait_ms) {
@@ -214,7 +214,7 @@ class TcpLink final : public Link {
   }
 
   Status Send(std::span<const std::byte> record) override {
-    if (!connected_) TryAgain();
+    if (!connected_) Reconnect();
     if (!connected_) return Status::Error(lost_);
     error_code error;
     asio::write(socket_, asio::buffer(record.data(), record.size()), error);
@@ -234,7 +234,7 @@ class TcpLink final : public Link {
     socket_.set_option(asio::ip::tcp::no_delay(true), error);
     connected_ = true;
   }
-  void TryAgain() {
+  void Reconnect() {
     if (connecting_) {
       context_.restart();
       context_.poll();

@@ -27,15 +27,15 @@ class Link {
 };
 
 // Connects to "udp://HOST:PORT" or "tcp://HOST:PORT" (IPv6 hosts in brackets). A missing UDP
-// receiver is no error: if the other machine reports it, Link::refused() counts it and sending
-// continues. TCP is retried for `start_wait_ms` if no program listens; where a connection is lost,
-// Send() fails, and asks for a new one once a second. Errors name the address and the reason.
+// receiver is not an error: if the other machine reports it, Link::refused() counts it and sending
+// continues. TCP is retried for `start_wait_ms` if no program listens; when a connection is lost,
+// Send() fails, and reconnects once a second. Errors name the address and the reason.
 Result<std::unique_ptr<Link>> Connect(const std::string& url, double start_wait_ms);
 
-// A rig that sends to several programs: each of `links`, at least one, gets every datagram. What
-// comes back is read from all of them. A link that fails does not keep the others from sending:
-// `on_failure` is called with its address and the reason, again only after it has sent in between.
-// Send() fails where all links do.
+// A rig that sends to several programs: each of `links`, at least one, gets every datagram. Replies
+// are read from all of them. A link that fails does not keep the others from sending: `on_failure`
+// is called with its address and the reason, and again only after it has sent in between. Send()
+// fails if all links do.
 struct NamedLink {
   std::string url;
   std::unique_ptr<Link> link;
@@ -43,8 +43,8 @@ struct NamedLink {
 using OnFailure = std::function<void(const std::string& url, const std::string& why)>;
 std::unique_ptr<Link> ToAll(std::vector<NamedLink> links, OnFailure on_failure);
 
-// The peers that a server sends to. kAllWhoSpeak: all that sent something within the last 5 s.
-// kNewest: the one that sent something last, without end.
+// The peers that a server sends to. kAllWhoSpeak: all that sent data within the last 5 s. kNewest:
+// the last one that sent data, without end.
 enum class Audience : std::uint8_t { kAllWhoSpeak, kNewest };
 
 // A server's socket, bound to "udp://HOST:PORT" (port 0: any free port). Send() sends to the

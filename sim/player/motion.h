@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "model/base/status.h"
 #include "model/rig/skeleton.h"
 

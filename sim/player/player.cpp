@@ -26,10 +26,10 @@ void Player::Listen(Link& link, std::int64_t now_ns) {
   const bool first = counts_.refused == 0;
   const std::uint64_t more = link.refused() - counts_.refused;
   counts_.refused += more;
-  if (told_ || more == 0) return;
+  if (notified_ || more == 0) return;
   if (first) first_refusal_ns_ = now_ns;
   if (counts_.refused < kRefusals && now_ns - first_refusal_ns_ < kRefusedFor_ns) return;
-  told_ = true;
+  notified_ = true;
   if (options_.on_refused) options_.on_refused();
 }
 

@@ -46,7 +46,7 @@ class Player {
   PlayerOptions options_;
   std::vector<std::unique_ptr<Sender>> senders_;
   PlayerCounts counts_;
-  bool told_ = false;  // on_refused has been called
+  bool notified_ = false;  // on_refused has been called
   std::int64_t first_refusal_ns_ = 0;
 
   void Listen(Link& link, std::int64_t now_ns);

@@ -1,6 +1,5 @@
 #include "sim/player/props.h"
 
-#include <cmath>
 #include <cstdio>
 
 #include "proto/styled/props.h"

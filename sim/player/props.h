@@ -2,8 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "model/base/status.h"
 #include "model/rig/wrists.h"
@@ -22,8 +20,8 @@ struct PropSpec {
 // repeat the text and say what was expected.
 Result<PropSpec> ParseProp(const std::string& text);
 
-// Where it is while the wrists are there: 0.1 m before the wrist in the direction of the fingers,
-// turned with the hand, or at its place and not turned. Empty if the performer has no such hand.
+// Its pose for the given wrists: 0.1 m before the wrist in the direction of the fingers, rotated
+// with the hand, or at its fixed place without rotation. Empty if the performer has no such hand.
 std::optional<rig::Placed> PlaceOf(const PropSpec& prop, const rig::WristPair& wrists);
 
 }  // namespace styled::player

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "model/base/status.h"
 #include "sim/faults/faults.h"
@@ -23,11 +22,12 @@ class Sender {
   enum class Step { kSent, kSilent, kEnd, kError };
 
   virtual ~Sender() = default;
-  // Sends what is due in the next period. kError: see error().
+  // Sends the datagrams that are due in the next period. kError: see error().
   virtual Step Tick(Link& link) = 0;
   // Delay of the next Tick() in seconds; called once before each.
   virtual double NextDelay_s() { return 0; }
-  // Sends what is still held back (reordered, late, or in a burst). Call once at the end.
+  // Sends the datagrams that are still held back (reordered, late, or in a burst). Call once at the
+  // end.
   virtual Status Flush(Link& link) = 0;
 
   virtual int performers() const { return 1; }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "model/base/crc32c.h"
 #include "model/rig/dialects.h"
 
 namespace styled::player {
@@ -68,7 +69,7 @@ void Stream::MakeBody() {
     if (bound.ok()) binding_ = std::move(bound.value());
   }
   const std::string bytes = body_.SerializeAsString();
-  body_crc_ = native::Crc32c(std::as_bytes(std::span(bytes)));
+  body_crc_ = Crc32c(std::as_bytes(std::span(bytes)));
 }
 
 void Stream::MakeFrame(Fault fault) {

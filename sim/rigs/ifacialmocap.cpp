@@ -13,7 +13,7 @@ namespace {
 class IFacialMocap final : public Rig {
  public:
   explicit IFacialMocap(const Options& options)
-      : old_(Has(options, "v1")), state_(Has(options, "state")) {}
+      : old_(HasQuirk(options, "v1")), state_(HasQuirk(options, "state")) {}
 
   void Encode(const Frame& frame, const Send& send) override {
     if (!started_) return;
@@ -37,13 +37,10 @@ class IFacialMocap final : public Rig {
   }
   std::string default_address() const override { return "udp://127.0.0.1:49983"; }
   bool is_server() const override { return true; }
-  // One start text is enough for good, and the newest one wins.
+  // A single start text is enough, and the newest one wins.
   player::Audience audience() const override { return player::Audience::kNewest; }
 
  private:
-  static bool Has(const Options& options, std::string_view quirk) {
-    return std::ranges::find(options.quirks, quirk) != options.quirks.end();
-  }
   bool old_, state_;
   bool started_ = false;
   int version_ = 1;

@@ -5,9 +5,9 @@
 namespace styled::rigs {
 
 // A phone with iFacialMocap: it waits for the start text and then sends the built-in performer's
-// face to whoever sent it. The motion is not used. One performer. Quirks: "v1" (version 1 of the
-// text, whatever was asked for), "state" (a part with the tracking's state goes first, as in newer
-// apps).
+// face to its sender. The motion is not used. One performer. Quirks: "v1" (version 1 of the text,
+// whatever was requested), "state" (a part with the tracking's state precedes the others, as in
+// newer apps).
 Result<std::unique_ptr<Rig>> MakeIFacialMocap(const Options& options);
 
 }  // namespace styled::rigs

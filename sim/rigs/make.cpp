@@ -23,6 +23,10 @@ Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& option
   return Status::Error("no rig is called '" + type + "'; expected " + Words());
 }
 
+bool HasQuirk(const Options& options, std::string_view quirk) {
+  return std::find(options.quirks.begin(), options.quirks.end(), quirk) != options.quirks.end();
+}
+
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,
                     std::initializer_list<std::string_view> quirks, std::size_t max_props) {
   if (max_performers > 0 && options.performers.size() > static_cast<std::size_t>(max_performers)) {

@@ -56,8 +56,8 @@ std::array<float, 4> ToMocopi(const Quat& q) {
 class Mocopi final : public Rig {
  public:
   explicit Mocopi(const Options& options)
-      : timecode_(Has(options, "tmcd")),
-        early_(Has(options, "early")),
+      : timecode_(HasQuirk(options, "tmcd")),
+        early_(HasQuirk(options, "early")),
         skeleton_period_(static_cast<std::uint64_t>(
             std::max(1.0, std::round(kSkeletonPeriod_s * options.rate_hz)))),
         skeleton_(MakeSkeleton()) {
@@ -81,10 +81,6 @@ class Mocopi final : public Rig {
   std::string default_address() const override { return "udp://127.0.0.1:12351"; }
 
  private:
-  static bool Has(const Options& options, std::string_view quirk) {
-    return std::find(options.quirks.begin(), options.quirks.end(), quirk) != options.quirks.end();
-  }
-
   void Place(const body::Pose& pose, mocopi::Frame& out) const {
     for (std::size_t id = 0; id < mocopi::kBones; ++id) {
       const auto [joint, parts] = kPieces[id];

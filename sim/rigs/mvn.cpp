@@ -51,10 +51,10 @@ void Place(const body::Pose& pose, std::array<Vec3, mvn::kBodySegments>& positio
 class Mvn final : public Rig {
  public:
   explicit Mvn(const Options& options) : options_(options), buffer_(2048) {
-    split_ = Has("split");
-    old_ = Has("old");
-    timecode_ = Has("timecode");
-    euler_ = Has("euler");
+    split_ = HasQuirk(options_, "split");
+    old_ = HasQuirk(options_, "old");
+    timecode_ = HasQuirk(options_, "timecode");
+    euler_ = HasQuirk(options_, "euler");
   }
 
   void Encode(const Frame& frame, const Send& send) override {
@@ -76,11 +76,6 @@ class Mvn final : public Rig {
   std::string default_address() const override { return "udp://127.0.0.1:9763"; }
 
  private:
-  bool Has(std::string_view quirk) const {
-    return std::find(options_.quirks.begin(), options_.quirks.end(), quirk) !=
-           options_.quirks.end();
-  }
-
   void SendFirst(std::size_t size, const Send& send) {
     if (old_) std::fill_n(buffer_.begin() + 22, 2, std::byte{0});
     send(std::span(buffer_).first(size));

@@ -5,9 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/multicast.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <cmath>
 #include <cstdlib>
-#include <optional>
 
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"
@@ -88,11 +86,11 @@ class NatNet final : public Rig {
  public:
   NatNet(const Options& options, std::unique_ptr<GroupSocket> group)
       : options_(options), group_(std::move(group)), buffer_(natnet::kMaxPacketSize) {
-    if (Has("2.9")) version_ = {2, 9};
-    if (Has("4.1")) version_ = {4, 1};
-    if (Has("4.2")) version_ = {4, 2};
-    local_ = Has("local");
-    z_up_ = Has("z-up");
+    if (HasQuirk(options_, "2.9")) version_ = {2, 9};
+    if (HasQuirk(options_, "4.1")) version_ = {4, 1};
+    if (HasQuirk(options_, "4.2")) version_ = {4, 2};
+    local_ = HasQuirk(options_, "local");
+    z_up_ = HasQuirk(options_, "z-up");
     MakeModel();
   }
 
@@ -150,10 +148,6 @@ class NatNet final : public Rig {
   bool is_server() const override { return true; }
 
  private:
-  bool Has(std::string_view quirk) const {
-    return std::ranges::find(options_.quirks, quirk) != options_.quirks.end();
-  }
-
   static std::int32_t RigidBodyId(std::size_t prop) {
     constexpr std::int32_t kFirst = 101;
     return kFirst + static_cast<std::int32_t>(prop);
@@ -184,7 +178,7 @@ class NatNet final : public Rig {
       skeleton.bone_count = kBones.size();
       for (std::size_t j = 0; j < kBones.size(); ++j) {
         std::string name(kBones[j]);
-        if (Has("prefix")) {
+        if (HasQuirk(options_, "prefix")) {
           name = options_.performers[k];
           if (j > 0) name.append("_").append(kBones[j]);
         }

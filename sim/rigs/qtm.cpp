@@ -38,8 +38,8 @@ std::vector<std::string> Words(const std::string& text) {
 // Components that a client has asked for.
 struct Components {
   bool skeletons = false, timecode = false, markers = false;
-  // False: QTM has no such component. Those that this stand-in lacks are left out, as QTM does with
-  // those that a measurement lacks.
+  // False: QTM has no such component. Components that this stand-in lacks are left out, as QTM does
+  // with those that a measurement lacks.
   bool Add(const std::string& word) {
     static const std::vector<std::string> kOthers{
         "2d",          "2dlin",      "3dres",      "3dnolabels",  "3dnolabelsres", "analog",
@@ -53,7 +53,7 @@ struct Components {
   }
 };
 
-// Where a component of that type is wanted.
+// Whether the client has requested a component of that type.
 bool Wants(const Components& components, std::uint32_t type) {
   switch (static_cast<qtm::Component>(type)) {
     case qtm::Component::kMarkers:
@@ -72,7 +72,7 @@ std::uint32_t ReadU32(std::span<const std::byte> bytes, std::size_t at) {
   return value;
 }
 
-// The data packet with the wanted components alone. A damaged one is left as it is.
+// The data packet with only the requested components. A damaged one is left as it is.
 std::vector<std::byte> Select(std::span<const std::byte> packet, const Components& components) {
   constexpr std::size_t kHead = 24, kCountAt = 20;
   std::vector<std::byte> whole(packet.begin(), packet.end());
@@ -95,7 +95,7 @@ std::vector<std::byte> Select(std::span<const std::byte> packet, const Component
   return out;
 }
 
-// What all clients share.
+// The state that all clients share.
 struct Server {
   std::vector<std::string> performers;
   double rate_hz = 60;
@@ -253,7 +253,7 @@ class Client final : public Session {
  private:
   Server& server_;
   std::vector<std::byte> waiting_, buffer_;
-  int minor_ = 1;  // what QTM speaks before it is asked for another version
+  int minor_ = 1;  // QTM's version until the client requests another one
   bool streaming_ = false;
   std::uint64_t divisor_ = 1, frames_ = 0;
   Components components_;
@@ -262,15 +262,15 @@ class Client final : public Session {
 class Qtm final : public Rig {
  public:
   explicit Qtm(const Options& options)
-      : timecode_(Has(options, "timecode")),
-        blink_(Has(options, "blink")),
+      : timecode_(HasQuirk(options, "timecode")),
+        blink_(HasQuirk(options, "blink")),
         buffer_(qtm::kMaxPacketSize) {
     server_.performers = options.performers;
     server_.rate_hz = options.rate_hz;
-    if (Has(options, "flat")) server_.newest_minor = qtm::kNestedMinor - 1;
-    server_.z_up = !Has(options, "y-up");
-    server_.split = Has(options, "split");
-    server_.full = Has(options, "full");
+    if (HasQuirk(options, "flat")) server_.newest_minor = qtm::kNestedMinor - 1;
+    server_.z_up = !HasQuirk(options, "y-up");
+    server_.split = HasQuirk(options, "split");
+    server_.full = HasQuirk(options, "full");
     server_.parameters.frequency_hz = options.rate_hz;
     server_.parameters.up = server_.z_up ? qtm::Axis::kZ : qtm::Axis::kY;
     for (const std::string& performer : options.performers) {
@@ -326,10 +326,6 @@ class Qtm final : public Rig {
   bool is_server() const override { return true; }
 
  private:
-  static bool Has(const Options& options, std::string_view quirk) {
-    return std::ranges::find(options.quirks, quirk) != options.quirks.end();
-  }
-
   void PlaceMarkers(const body::Pose& pose, qtm::Markers& markers) const {
     body::WorldPose world;
     body::ForwardKinematics(pose, world);

@@ -13,8 +13,8 @@ namespace styled::rigs {
 inline constexpr std::size_t kQtmSegments = 24;
 inline constexpr std::uint32_t kQtmFirstId = 752;  // of the first skeleton; QTM numbers all objects
 
-// In the T-pose. `z_up`: +Z up and facing -Y, else as the canonical humanoid. `flat`: in the
-// capture volume, else relative to the parents.
+// In the T-pose. `z_up`: +Z up and facing -Y, otherwise like the canonical humanoid. `flat`: in the
+// capture volume, otherwise relative to the parents.
 qtm::SkeletonDescription DescribeQtmSkeleton(std::string_view name, std::uint32_t first_id,
                                              bool z_up, bool flat);
 // Local rotations and positions; a joint that is NaN makes its segment NaN.

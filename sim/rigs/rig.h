@@ -18,7 +18,7 @@
 
 namespace styled::rigs {
 
-// The poses of all performers at one instant, as the rig's software has them.
+// The poses of all performers at one instant, as in the rig's software.
 struct Frame {
   std::uint64_t index = 0;  // in this session
   double time_s = 0;        // since the session began
@@ -28,7 +28,7 @@ struct Frame {
   // The same without untracked joints, for sensors that do not depend on the parent's; empty:
   // unknown.
   std::span<const body::Pose> whole = {};
-  // Where each of Options::props is, in its order and in canonical axes; empty: not tracked.
+  // The positions of Options::props, in its order and in canonical axes; empty: not tracked.
   std::span<const std::optional<rig::Placed>> props = {};
 };
 
@@ -45,13 +45,13 @@ struct Options {
   std::vector<player::PropSpec> props = {};
 };
 
-// What a server over TCP keeps for one of its clients, until the client leaves. One thread.
+// The state of a TCP server for one of its clients, until the client leaves. One thread.
 class Session {
  public:
   virtual ~Session() = default;
   // The client's bytes, cut anywhere. Answers go to that client. False: it is disconnected.
   virtual bool Receive(std::span<const std::byte> bytes, const Send& send) = 0;
-  // Sends on what Encode sends to all clients, as far as this client has asked for it.
+  // Sends Encode's data for all clients on to this one, as far as it has requested it.
   virtual void Forward(std::span<const std::byte> bytes, const Send& send) = 0;
 };
 
@@ -76,9 +76,9 @@ class Rig {
   // clients that connect, the address on which it listens.
   virtual std::string default_address() const = 0;
   virtual bool is_server() const { return false; }
-  // Of such a server over UDP.
+  // For such a server over UDP.
   virtual player::Audience audience() const { return player::Audience::kAllWhoSpeak; }
-  // For a server over TCP: a client has connected, and `send` goes to it. `others` are connected
+  // For a server over TCP: a client has connected, and `send` sends to it. `others` are connected
   // already. Null: it is disconnected. (sim/rigs/stream_server.h calls this.)
   virtual std::unique_ptr<Session> Accept(std::size_t /*others*/, const Send& /*send*/) {
     return nullptr;
@@ -91,7 +91,9 @@ std::string Words();
 // Errors name the type and list the known ones. "native" has none (sim/player).
 Result<std::unique_ptr<Rig>> Make(const std::string& type, const Options& options);
 
-// For implementations of Rig: refuses quirks not in `quirks`, more performers than `max_performers`
+// For implementations of Rig: whether the options have a quirk.
+bool HasQuirk(const Options& options, std::string_view quirk);
+// Refuses quirks not in `quirks`, more performers than `max_performers`
 // (0: unlimited), and more props than `max_props`.
 Status CheckOptions(const std::string& type, const Options& options, int max_performers,
                     std::initializer_list<std::string_view> quirks, std::size_t max_props = 0);

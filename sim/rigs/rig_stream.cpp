@@ -84,7 +84,7 @@ RigStream::Step RigStream::Advance() {
 void RigStream::Occlude(Fault fault) {
   if (fault == Fault::kNan || fault == Fault::kOcclude) {
     const std::uint32_t performer = faults_.Choose(static_cast<std::uint32_t>(poses_.size()));
-    // Never the hips: what rigs lose is a limb or a hand.
+    // Never the hips, because rigs lose a limb or a hand.
     const std::uint32_t joint = 1 + faults_.Choose(body::kJointCount - 1);
     const double frames = fault == Fault::kNan ? 1 : faults_.spec().occlude_frames;
     occlusions_.push_back({performer, joint, static_cast<std::uint32_t>(frames)});

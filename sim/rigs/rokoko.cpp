@@ -1,7 +1,6 @@
 #include "sim/rigs/rokoko.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "proto/rigs/rokoko/rokoko.h"
 #include "sim/rigs/synthetic_face.h"
@@ -33,9 +32,9 @@ class Rokoko final : public Rig {
  public:
   explicit Rokoko(const Options& options)
       : options_(options),
-        lz4_(Has("lz4")),
-        gloves_(Has("gloves")),
-        face_(Has("face")),
+        lz4_(HasQuirk(options_, "lz4")),
+        gloves_(HasQuirk(options_, "gloves")),
+        face_(HasQuirk(options_, "face")),
         text_(rokoko::kMaxTextSize),
         packed_(kMaxDatagramSize) {
     frame_.fps = static_cast<float>(options.rate_hz);
@@ -67,11 +66,6 @@ class Rokoko final : public Rig {
   std::string default_address() const override { return "udp://127.0.0.1:14043"; }
 
  private:
-  bool Has(std::string_view quirk) const {
-    return std::find(options_.quirks.begin(), options_.quirks.end(), quirk) !=
-           options_.quirks.end();
-  }
-
   // Writes a joint with this global position and rotation from the T-pose, in canonical axes.
   static void Put(std::size_t joint, const Vec3& position, const Quat& turn, rokoko::Actor& actor) {
     const auto& t = rokoko::kJointTable[joint].t_pose;

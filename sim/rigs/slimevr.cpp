@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <random>
 
@@ -129,16 +128,12 @@ class SlimeVr final : public Rig {
     bool acknowledged = false;
   };
 
-  bool Has(std::string_view quirk) const {
-    return std::find(options_.quirks.begin(), options_.quirks.end(), quirk) !=
-           options_.quirks.end();
-  }
   float Between(float low, float high) {
     return std::uniform_real_distribution<float>(low, high)(random_);
   }
 
   Quat Mount(Joint joint) {
-    if (Has("anyhow")) {
+    if (HasQuirk(options_, "anyhow")) {
       Quat any;
       for (float& part : any.coeffs()) part = std::normal_distribution<float>()(random_);
       return any.normalized();
@@ -168,8 +163,8 @@ class SlimeVr final : public Rig {
     handshake.board = 4;  // a custom board
     handshake.imu = 13;
     handshake.mcu = 2;
-    handshake.protocol = Has("legacy") ? 5 : 22;
-    handshake.firmware = Has("legacy") ? "" : "stand-in";
+    handshake.protocol = HasQuirk(options_, "legacy") ? 5 : 22;
+    handshake.firmware = HasQuirk(options_, "legacy") ? "" : "stand-in";
     const auto seed = static_cast<std::uint32_t>(options_.seed);
     handshake.mac = {0x02,
                      0x53,
@@ -181,7 +176,7 @@ class SlimeVr final : public Rig {
   }
 
   void Negotiate(const Send& send) {
-    if (Has("legacy")) return;
+    if (HasQuirk(options_, "legacy")) return;
     if (now_s_ >= next_announce_s_) {
       next_announce_s_ = now_s_ + kAnnounces_s;
       for (std::size_t k = 0; k < sensors_.size(); ++k) {
@@ -190,7 +185,7 @@ class SlimeVr final : public Rig {
         info.sensor = static_cast<std::uint8_t>(k);
         info.imu = 13;
         info.calibrated = 1;
-        if (!Has("unplaced")) info.position = sensors_[k].place.position;
+        if (!HasQuirk(options_, "unplaced")) info.position = sensors_[k].place.position;
         SendPacket(info, send);
       }
     }
@@ -205,7 +200,7 @@ class SlimeVr final : public Rig {
   World WorldOf(const Frame& frame) const {
     const body::Pose& pose = frame.poses[0];
     const double playing_s = now_s_ - connected_s_;
-    if (Has("no-reset") || playing_s >= kStanding_s + kSkiing_s) {
+    if (HasQuirk(options_, "no-reset") || playing_s >= kStanding_s + kSkiing_s) {
       // An untracked joint affects only its own sensor: child joints are computed from the whole
       // pose.
       body::Pose seen = frame.whole.empty() ? pose : frame.whole[0];
@@ -227,7 +222,8 @@ class SlimeVr final : public Rig {
 
   void SendMotion(const World& world, const Send& send) {
     std::vector<slimevr::Packet> packets;
-    const bool compact = Has("compact") && (features_ & slimevr::kCompactBundles) != 0;
+    const bool compact =
+        HasQuirk(options_, "compact") && (features_ & slimevr::kCompactBundles) != 0;
     for (std::size_t k = 0; k < sensors_.size(); ++k) {
       const Sensor& sensor = sensors_[k];
       const Quat& part = world[static_cast<std::size_t>(sensor.place.joint)];
@@ -237,7 +233,7 @@ class SlimeVr final : public Rig {
                      sensor.part_from_sensor;
       const slimevr::Orientation orientation{{q.x(), q.y(), q.z(), q.w()}, true};
       const auto number = static_cast<std::uint8_t>(k);
-      if (Has("legacy")) {
+      if (HasQuirk(options_, "legacy")) {
         packets.emplace_back(slimevr::LegacyRotation{number, orientation});
       } else if (compact) {
         packets.emplace_back(slimevr::RotationAndAcceleration{number, {orientation, {}}});
@@ -254,7 +250,7 @@ class SlimeVr final : public Rig {
   }
 
   void Ask(const Send& send) {
-    if (Has("no-reset") || sensors_.front().place.joint != body::kHips) return;
+    if (HasQuirk(options_, "no-reset") || sensors_.front().place.joint != body::kHips) return;
     const double playing_s = now_s_ - connected_s_;
     if (asked_ == 0 && playing_s >= kStanding_s - kAsks_s) {
       asked_ = 1;

@@ -29,7 +29,7 @@ class StreamServer final : public player::Link {
     if (error) return Status::Error(error.message() + ", expected a numeric address");
     const tcp::endpoint at(address, static_cast<std::uint16_t>(std::stoi(url.substr(colon + 1))));
     acceptor_.open(at.protocol(), error);
-    // A process that is started meanwhile would keep the port.
+    // Prevents a process that is started meanwhile from keeping the port.
     if (!error) (void)::fcntl(acceptor_.native_handle(), F_SETFD, FD_CLOEXEC);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(at, error);
@@ -69,7 +69,7 @@ class StreamServer final : public player::Link {
     }
     tcp::socket socket;
     std::unique_ptr<Session> session;
-    std::vector<std::byte> waiting;  // what the socket did not take yet
+    std::vector<std::byte> waiting;  // data that the socket has not accepted yet
     bool gone = false;
   };
 

@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "proto/rigs/vmc/bones.h"
 #include "proto/rigs/vmc/vmc.h"
@@ -93,14 +92,14 @@ Quat Bent(int bone, double time_s) {
 class Vmc final : public Rig {
  public:
   explicit Vmc(const Options& options)
-      : time_first_(Has(options, "t-first")),
-        nested_(Has(options, "nested")),
-        single_(Has(options, "single")),
-        moving_root_(Has(options, "moving-root")),
-        zero_offsets_(Has(options, "zero-offsets")),
-        has_time_(!Has(options, "no-t")),
-        hands_(Has(options, "hands")),
-        avatar_(MakeAvatar(Has(options, "full") || hands_, Has(options, "vrm1"))) {
+      : time_first_(HasQuirk(options, "t-first")),
+        nested_(HasQuirk(options, "nested")),
+        single_(HasQuirk(options, "single")),
+        moving_root_(HasQuirk(options, "moving-root")),
+        zero_offsets_(HasQuirk(options, "zero-offsets")),
+        has_time_(!HasQuirk(options, "no-t")),
+        hands_(HasQuirk(options, "hands")),
+        avatar_(MakeAvatar(HasQuirk(options, "full") || hands_, HasQuirk(options, "vrm1"))) {
     if (hands_) std::erase_if(avatar_, [](const AvatarBone& bone) { return !OfHand(bone.bone); });
   }
 
@@ -119,10 +118,6 @@ class Vmc final : public Rig {
   std::string default_address() const override { return "udp://127.0.0.1:39540"; }
 
  private:
-  static bool Has(const Options& options, std::string_view quirk) {
-    return std::find(options.quirks.begin(), options.quirks.end(), quirk) != options.quirks.end();
-  }
-
   void Pose(const Frame& frame);
   void SendTimeFirst(const Send& send);
   void SendSingles(const Send& send);

@@ -24,7 +24,7 @@ namespace styled::rigs {
 //   "trackers"      devices instead of bones, with other quirks: vmc_trackers.h
 Result<std::unique_ptr<Rig>> MakeVmc(const Options& options);
 
-// By how much each finger joint of the quirk "hands" is bent, radians.
+// The bend of each finger joint of the quirk "hands", radians.
 double HandsBend_rad(double time_s);
 
 }  // namespace styled::rigs

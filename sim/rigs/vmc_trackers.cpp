@@ -1,7 +1,6 @@
 #include "sim/rigs/vmc_trackers.h"
 
 #include <array>
-#include <functional>
 
 #include "proto/rigs/vmc/device.h"
 #include "sim/rigs/worn_devices.h"

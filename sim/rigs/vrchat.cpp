@@ -10,7 +10,7 @@ namespace {
 
 using Place = WornDevices::Place;
 
-// Indices beyond the trackers' stand for VRChat's own devices: 9 + vrchat::System.
+// Indices beyond the trackers' mean VRChat's own devices: 9 + vrchat::System.
 constexpr int kSystem = vrchat::kTrackers + 1;
 
 std::vector<Place> Places(bool system) {

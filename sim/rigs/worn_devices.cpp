@@ -15,10 +15,6 @@ const Vec3 kEyes_m(0, 0.06F, 0.08F);  // from the head's joint
 
 }  // namespace
 
-bool HasQuirk(const Options& options, std::string_view quirk) {
-  return std::ranges::find(options.quirks, quirk) != options.quirks.end();
-}
-
 WornDevices::WornDevices(const Options& options, const std::vector<Place>& places)
     : random_(options.seed),
       t_pose_(HasQuirk(options, "t-pose")),
@@ -35,7 +31,7 @@ WornDevices::WornDevices(const Options& options, const std::vector<Place>& place
       std::normal_distribution<float> normal;
       for (float& value : worn.part_from_device.coeffs()) value = normal(random_);
       worn.part_from_device.normalize();
-      // A display, or the head that a sender tells, looks where the head looks.
+      // A display, or a sender's head, faces in the head's direction.
       if (place.joint == body::kHead) worn.part_from_device.setIdentity();
       std::uniform_real_distribution<float> off(-kMostOff_m, kMostOff_m);
       worn.offset_m = Vec3(off(random_), off(random_), off(random_)) / std::sqrt(3.0F);

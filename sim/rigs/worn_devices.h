@@ -1,21 +1,19 @@
 #pragma once
 
-#include <cstdint>
 #include <random>
-#include <string_view>
 #include <vector>
 
 #include "sim/rigs/rig.h"
 
 namespace styled::rigs {
 
-// Devices worn by a simulated performer: what VMC's assistants and VRChat's senders measure.
+// Devices worn by a simulated performer: the measurements of VMC's assistants and VRChat's senders.
 // Quirks:
-//   hips, head, leftFoot, ...  only the devices on these joints; none named: all that the rig has
+//   hips, head, leftFoot, ...  only the devices on these joints; none named: all devices of the rig
 //   mounted                    turned anyhow on their parts, but on the head, and up to 3 cm off
 //                              the joints (by seed)
 //   t-pose                     for the first second of a session the performer stands in a T-pose,
-//                              in which a calibration may be asked for
+//                              in which a calibration may be requested
 //   vanish                     the last device is gone in every third second
 //   shuffled                   in another order in each frame
 class WornDevices {
@@ -34,7 +32,7 @@ class WornDevices {
 
   WornDevices(const Options& options, const std::vector<Place>& places);
 
-  // The devices of this frame. One on a joint that is not tracked is left out.
+  // The devices of this frame. A device on a joint that is not tracked is left out.
   const std::vector<Reading>& Read(const Frame& frame);
 
  private:
@@ -49,8 +47,5 @@ class WornDevices {
   std::mt19937_64 random_;
   bool t_pose_, vanish_, shuffled_;
 };
-
-// Whether the options have that quirk.
-bool HasQuirk(const Options& options, std::string_view quirk);
 
 }  // namespace styled::rigs

@@ -13,7 +13,7 @@
 #include <thread>
 #include <unordered_map>
 
-#include "daemon/pipeline/anticipation.h"
+#include "daemon/decide/anticipation.h"
 #include "daemon/pipeline/pipeline_thread.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/realtime.h"
@@ -29,7 +29,7 @@ constexpr std::size_t kMessage = 640;  // about the size of a styled frame with 
 struct Stream {
   std::string topic;
   runtime::Schedule schedule;
-  pipeline::Anticipation anticipation;
+  decide::Anticipation anticipation;
   std::int64_t first_ns = -1, elapsed_ns = 0;
 };
 
@@ -47,7 +47,7 @@ class Echo final : public pipeline::Worker, public source::Receiver {
     return work;
   }
   std::int64_t NextDeadline_ns() const override {
-    std::int64_t next_ns = pipeline::Anticipation::kNever;
+    std::int64_t next_ns = decide::Anticipation::kNever;
     for (const auto& [name, stream] : streams_) {
       next_ns = std::min(next_ns, stream.anticipation.prepare_ns());
     }

@@ -67,7 +67,7 @@ def wire(build):
 
 
 def standby(build):
-    """A leader that is killed again and again, beside a daemon that nobody kills."""
+    """A leader that is killed again and again, beside a daemon that is never killed."""
     command = ['env', 'STYLED_ROUNDS=50', str(build / 'bin/styled_standby_e2e_test'),
                '--gtest_filter=*KilledAgainAndAgain*']
     said = output(*command)

@@ -1,6 +1,6 @@
-// What NATS adds for viewers, and what trouble at it does to others: the real daemon, stylenats and
-// the shipped servers, raw sockets as subscribers of both engines. Compare within one run. No
-// assertions.
+// Measures the cost of NATS for viewers, and the effect of its trouble on other subscribers: the
+// real daemon, stylenats and the shipped servers, raw sockets as subscribers of both engines.
+// Compare within one run. No assertions.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -120,8 +120,8 @@ struct Hall {
   Walker walker;
 };
 
-// Whether the bucket says that the first performer has the style. It waits 0.2 s at most: while a
-// stream has no leader, nobody answers.
+// Whether the bucket shows that the first performer has the style. It waits 0.2 s at most: a stream
+// without a leader does not answer.
 bool HasStyle(const NatsUser& user, const std::string& style) {
   natsMsg* answer = nullptr;
   v1::PerformerStats performer;
@@ -147,7 +147,7 @@ int FanOut(const Options& o) {
       local->Begin();
       Sleep(o.seconds);
       zeromq_s += Cpu_s(*hall.daemon.child);
-      Add(zeromq, local->Take());
+      Add(zeromq, local->Collect());
     }
     NatsServers servers;
     servers.StartHub();
@@ -163,7 +163,7 @@ int FanOut(const Options& o) {
     hub_s += Cpu_s(*servers.hub);
     daemon_s += Cpu_s(*hall.daemon.child);
     others_s += Cpu_s(*servers.leaf) + Cpu_s(*bridge.child);
-    Add(nats, viewers->Take());
+    Add(nats, viewers->Collect());
     replaced += bridge.Count("replaced,");
   }
   const double all_s = o.seconds * o.rounds;
@@ -220,8 +220,8 @@ int Stopped(const Options& o) {
     local->Begin();
     viewers->Begin();
     Sleep(seconds);
-    RawResult of_viewers = viewers->Take(0.5);
-    Row("ZeroMQ, 4 at the daemon, " + when, local->Take(0));
+    RawResult of_viewers = viewers->Collect(0.5);
+    Row("ZeroMQ, 4 at the daemon, " + when, local->Collect(0));
     Row("NATS, the other viewers, " + when, of_viewers);
     return of_viewers;
   };
@@ -292,8 +292,8 @@ int Failures(const Options& o) {
   local->Begin();
   viewers->Begin();
   Sleep(o.seconds);
-  Row("ZeroMQ, nothing amiss", local->Take());
-  Row("NATS, nothing amiss", viewers->Take(0));
+  Row("ZeroMQ, nothing amiss", local->Collect());
+  Row("NATS, nothing amiss", viewers->Collect(0));
 
   int styles = 0;
   const auto trouble = [&](const std::string& what, double seconds, const auto& begin,
@@ -319,8 +319,8 @@ int Failures(const Options& o) {
       if (WaitUntil([&] { return HasStyle(user, style); }, 30)) back.bucket_s = since_s();
     }
     Sleep(2);
-    Row("ZeroMQ, " + what, local->Take());
-    Row("NATS, " + what, viewers->Take(0));
+    Row("ZeroMQ, " + what, local->Collect());
+    Row("NATS, " + what, viewers->Collect(0));
     std::printf("  back after %.2f s, the bucket %.2f s\n", back.frames_s, back.bucket_s);
   };
   const auto nothing = [] {};
@@ -393,8 +393,8 @@ int DiskFull(const Options& o) {
     if (!KeepFrames(owner)) std::cerr << "no stream\n";
   }
   Sleep(o.seconds);
-  Row("ZeroMQ, the disk is full", local->Take());
-  Row("NATS, the disk is full", viewers->Take(0));
+  Row("ZeroMQ, the disk is full", local->Collect());
+  Row("NATS, the disk is full", viewers->Collect(0));
   control.SetStyle("rig.a0", "style1");
   NatsUser user(servers.hub_port, "viewer");
   const bool kept = WaitUntil([&] { return HasStyle(user, "style1"); }, 10);
@@ -531,8 +531,8 @@ int LeaderKilled(const Options& o) {
         },
         40);
     jsCtx_Destroy(jetstream);
-    Row("ZeroMQ, leader of " + stream + " killed", local->Take());
-    Row("NATS, leader of " + stream + " killed", viewers->Take(0));
+    Row("ZeroMQ, leader of " + stream + " killed", local->Collect());
+    Row("NATS, leader of " + stream + " killed", viewers->Collect(0));
     std::printf("  frames after %.2f s, bucket %.2f s, stream %.2f s\n", frames_s, bucket_s,
                 stream_s);
     killed.StartHub();
@@ -559,8 +559,8 @@ int Hop(const Options& o) {
       local->Begin();
       viewers->Begin();
       Sleep(o.seconds);
-      Add(through ? leaf : direct, viewers->Take());
-      Add(zeromq, local->Take(0));
+      Add(through ? leaf : direct, viewers->Collect());
+      Add(zeromq, local->Collect(0));
     }
   }
   std::printf("%d performers, %d viewers, %d rounds of %.0f s\n", o.performers, o.viewers, o.rounds,

@@ -84,7 +84,7 @@ class Sender {
   void Next(source::Receiver& receiver, std::int64_t now_ns) {
     outbox_.Open(receiver, -1);
     for (const Datagram& datagram : frames_[next_ % frames_.size()]) {
-      translator_->Take(datagram, source::Peer(), now_ns, outbox_);
+      translator_->Handle(datagram, source::Peer(), now_ns, outbox_);
     }
     translator_->Tick(now_ns, outbox_);
     outbox_.Close();

@@ -1,7 +1,7 @@
-// A stage for hours: two daemons that stand in for each other, a stylenats and a leaf server, a
-// hub, a hundred viewers there and a program beside the daemons. A viewer is stopped at a third of
-// the time, the leading daemon is killed at five sixths. What each process's memory did, and what
-// of the frames is missing without being counted. No assertions.
+// A stage for hours: a pair of daemons, a stylenats and a leaf server, a hub, a hundred viewers
+// there and a program beside the daemons. A viewer is stopped at a third of the time, the leading
+// daemon is killed at five sixths. Prints each process's memory, and the frames that are missing
+// without being counted. No assertions.
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -164,7 +164,7 @@ int Run(const Options& o) {
           .SetStyle("rig.a0", "style" + std::to_string(1 + styles++ % 4));
       for (Memory& memory : memories) memory.Sample(minute());
     }
-    const RawResult result = viewers.Take();
+    const RawResult result = viewers.Collect();
     delivered += result.delivered;
     lost += result.lost;
     doubled += result.doubled;

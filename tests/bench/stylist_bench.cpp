@@ -24,7 +24,7 @@ namespace {
 constexpr double kRate_hz = 120;
 
 // The networks: Style-ERD in the paper's shape and as shipped, the causal graph network as shipped,
-// and the last two as one, as the daemon has them.
+// and the last two as one, as in the daemon.
 enum Network { kPaper, kWide, kGraph, kBoth };
 std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
   const auto graph = [] {

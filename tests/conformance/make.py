@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Makes the goldens: bodies and frames as the real daemon publishes them, and some by hand, with what
-wire.py reads from them. `make.py` writes them anew (STYLED_BIN: the programs); `make.py --check` reads
+wire.py reads from them. `make.py` writes them again (STYLED_BIN: the programs); `make.py --check` reads
 the bytes that are here again and compares the numbers."""
 import base64
 import json
@@ -23,7 +23,7 @@ def rounded(numbers):
 
 
 def plain(message, names):
-    """As JSON has it: 64-bit numbers as text, since JSON's are doubles in many a language; bytes in
+    """As in JSON: 64-bit numbers as text, since JSON's are doubles in many languages; bytes in
     base64."""
     def value(name):
         if name == 'thru':
@@ -194,7 +194,7 @@ def check():
 
 
 def near(a, b, where):
-    """Equal, but for the last places that another machine's numpy may round otherwise."""
+    """Equal, except for the last places, which another machine's numpy may round otherwise."""
     if isinstance(a, dict):
         assert a.keys() == b.keys(), where
         for key in a:

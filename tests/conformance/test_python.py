@@ -17,7 +17,7 @@ def golden(name):
 
 
 def plain(value):
-    """A field as the goldens have it."""
+    """A field in the goldens' form."""
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if hasattr(value, 'ListFields'):

@@ -1,6 +1,6 @@
-"""Frames and bodies from their bytes to numbers, with nothing of ours nor of protobuf's: the wire format
-(protobuf.dev/programming-guides/encoding) by hand, forward kinematics by matrices in double
-precision. What every client has to agree with."""
+"""Turns the bytes of frames and bodies into numbers, without our code and without protobuf's: the wire
+format (protobuf.dev/programming-guides/encoding) by hand, forward kinematics by matrices in double
+precision. Every client must agree with these numbers."""
 import struct
 
 import numpy
@@ -47,7 +47,7 @@ def varints(data):
 
 
 def read(data, fields):
-    """A message's fields by name; what is unknown is passed over, what is absent has its default."""
+    """A message's fields by name; unknown fields are skipped, absent ones have their default."""
     empty = {'t': '', 'f': 0.0, 'v': 0, 's': 0, 'q': 0}
     message = {}
     for name, kind in fields.values():

@@ -9,7 +9,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 sys.path.insert(0, os.path.join(ROOT, 'tests', 'bench'))
 from figures import FIGURES, WEIGHTS, fnv1a64, rows_of  # noqa: E402
 
-# Numbers of README.md that nobody measured, each with its reason. Anything else is a figure.
+# Numbers of README.md that are not measured, each with its reason. Any other number is a figure.
 NOT_MEASURED = {
     'Debian 12': 'a name', 'about 2015': 'a year', 'CVPR 2022': 'a year',
 }

@@ -1,4 +1,4 @@
-"""The package's copyright file says of each file of weights what the file itself and its manifest say.
+"""The package's copyright file agrees with the metadata of each weights file and with its manifest.
 
 A company reads it to learn which weights it may use."""
 import json
@@ -8,7 +8,7 @@ import struct
 import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
-# What the training data of a folder asks for, as the copyright file has to have it.
+# The terms of a folder's training data, as the copyright file must state them.
 CREDITS = {
     'bandai': 'Bandai Namco Research Inc.',
     '100style': 'Ian Mason',
@@ -44,7 +44,7 @@ def stanza_of(copyright, weights):
 
 
 def complaints(copyright, weights):
-    """What the copyright file says wrongly of a file of weights; []: nothing."""
+    """The errors of the copyright file about a weights file; []: none."""
     stanza = stanza_of(copyright, weights)
     if not stanza:
         return [f'{weights}: no stanza']

@@ -1,4 +1,5 @@
-"""What documents and comments refer to is in the tree: links, their headings, names of files."""
+"""The targets that documents and comments refer to are in the tree: links, their headings, names of
+files."""
 import os
 import re
 import subprocess
@@ -67,7 +68,7 @@ def headings(text):
 
 
 def wrong_links(page, text, tree, read):
-    """What the links of a page name that is not there."""
+    """The targets of a page's links that do not exist."""
     wrong = []
     for target in LINK.findall(text):
         if re.match(r'[a-z]+:', target):
@@ -95,7 +96,7 @@ def lost_pages(first, pages, read):
 
 
 def wrong_names(page, text, tree):
-    """Names of files in a text that are none of the tree's."""
+    """Names of files in a text that are not in the tree."""
     return [f'{page}: names {name}, which is not in the tree' for name in dict.fromkeys(NAME.findall(text))
             if not ELSEWHERE.search(name) and name not in OF_OTHERS.get(page, ()) and not tree.names(page, name)]
 

@@ -40,7 +40,7 @@ def members(proto, name):
 
 
 def differences(code, page):
-    """What is wrong, one sentence each; [] where both have the same names."""
+    """The differences, one sentence each; [] where both have the same names."""
     return ([f'{name} has no row' for name in sorted(set(code) - set(page))] +
             [f'{name} has a row and does not exist' for name in sorted(set(page) - set(code))])
 

@@ -21,7 +21,7 @@ def run(recipe, *arguments, **environment):
 
 def known_options():
     found = {'--name', '--replace'}
-    for pattern in ('model/tools/style*.cpp', 'model/train/**/*.cpp', 'model/tools/**/*.h'):
+    for pattern in ('model/tools/**/*.cpp', 'model/train/**/*.cpp', 'model/tools/**/*.h'):
         for file in glob.glob(os.path.join(ROOT, pattern), recursive=True):
             with open(file, encoding='utf-8') as text:
                 found.update(re.findall(r'(--[a-z][\w-]*)', text.read()))
@@ -29,7 +29,7 @@ def known_options():
 
 
 def wrong(commands, known):
-    """What is wrong with lines of commands: options that no program has, files that are not in the tree."""
+    """The errors in lines of commands: options that no program has, files that are not in the tree."""
     found = []
     for line in commands:
         words = shlex.split(line)
@@ -98,7 +98,7 @@ class RecipesTest(unittest.TestCase):
 
 
 def judged(fmd=10.0, accuracy=0.9, seed=1):
-    """What styleeval --json writes, as far as a table reads it; of the second style nothing was measured."""
+    """The output of styleeval --json, as far as a table reads it; the second style has no measurements."""
     names = ('fmd', 'fmd_real_real', 'fmd_neutral_target', 'jitter_120')
     figures = {'styles': {
         'odd': {**{name: fmd for name in names}, **{'content_' + name: fmd / 2 for name in names}},

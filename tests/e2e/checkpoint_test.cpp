@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "clients/cpp/stylectl/cli.h"
+#include "clients/stylectl/cli.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 
@@ -29,7 +29,7 @@ class CheckpointTest : public testing::Test {
     arguments.insert(arguments.begin(), {"--endpoint", daemon.control});
     std::ostringstream out, err;
     const int code = stylectl::Run(std::move(arguments), out, err);
-    said_ = out.str() + err.str();
+    output_ = out.str() + err.str();
     return code;
   }
   static std::vector<std::string> Topics() { return {"body/rig.a/", "styled/rig.a/rig/"}; }
@@ -38,7 +38,7 @@ class CheckpointTest : public testing::Test {
   const std::string file_ = folder_ / "a.checkpoint";
   Daemon whole_, first_, second_;
   Rig rig_{"a"};
-  std::string said_;
+  std::string output_;
 };
 
 // The rig sends to the first daemon, and after the move to the second one; a third gets all of it.
@@ -66,10 +66,10 @@ TEST_F(CheckpointTest, NoFrameIsLostByAMoveAndNoneIsAnother) {
       }
     }
     if (i == kMove - 1) {
-      ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), 0) << said_;
-      EXPECT_THAT(said_, HasSubstr("rig.a before frame 131: written to " + file_));
-      ASSERT_EQ(Stylectl(second_, {"checkpoint", "restore", file_}), 0) << said_;
-      EXPECT_EQ(said_, "rig.a: restored from frame 131 on\n");
+      ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), 0) << output_;
+      EXPECT_THAT(output_, HasSubstr("rig.a before frame 131: written to " + file_));
+      ASSERT_EQ(Stylectl(second_, {"checkpoint", "restore", file_}), 0) << output_;
+      EXPECT_EQ(output_, "rig.a: restored from frame 131 on\n");
       ASSERT_TRUE(second.WaitForBody()) << "subscribers there have the body before the first frame";
     }
   }
@@ -106,12 +106,12 @@ TEST_F(CheckpointTest, AKilledDaemonGoesOnFromIt) {
   ControlClient(first_.control).SetStyle("rig.a", "style3", 1, 0);
   for (int i = 0; i < 60; ++i) UdpLink(first_.udp).Send(rig_.Frame());
   ASSERT_TRUE(before.WaitForFrames(60, "styled/"));
-  ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), 0) << said_;
+  ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), 0) << output_;
   kill(first_.child->pid(), SIGKILL);
   (void)first_.child->Wait(5);
   first_.Start();
   Subscriber after(first_.publish, Topics());
-  ASSERT_EQ(Stylectl(first_, {"checkpoint", "restore", file_}), 0) << said_;
+  ASSERT_EQ(Stylectl(first_, {"checkpoint", "restore", file_}), 0) << output_;
   ASSERT_TRUE(after.WaitForBody());
   UdpLink(first_.udp).Send(rig_.Frame());
   ASSERT_TRUE(after.WaitForFrames(1, "styled/")) << "without the rig's body";
@@ -125,21 +125,21 @@ TEST_F(CheckpointTest, AKilledDaemonGoesOnFromIt) {
 TEST_F(CheckpointTest, WhatATypistGetsWrong) {
   Subscriber subscriber(first_.publish, Topics());
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), stylectl::kExitRefused);
-  EXPECT_THAT(said_, HasSubstr("performer \"rig.a\": expected one that is here"));
+  EXPECT_THAT(output_, HasSubstr("performer \"rig.a\": expected one that is here"));
   UdpLink(first_.udp).Send(rig_.Body());
   ASSERT_TRUE(subscriber.WaitForBody());
-  ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_, "--json"}), 0) << said_;
-  EXPECT_THAT(said_, HasSubstr("\"sequence\":1"));
+  ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_, "--json"}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("\"sequence\":1"));
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), stylectl::kExitUsage);
-  EXPECT_THAT(said_, HasSubstr("exists, expected a new file; --overwrite replaces it"));
-  EXPECT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_, "--overwrite"}), 0) << said_;
+  EXPECT_THAT(output_, HasSubstr("exists, expected a new file; --overwrite replaces it"));
+  EXPECT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_, "--overwrite"}), 0) << output_;
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "restore", folder_ / "none"}), stylectl::kExitUsage);
-  EXPECT_THAT(said_, HasSubstr("none"));
+  EXPECT_THAT(output_, HasSubstr("none"));
   WriteText(folder_ / "text", "no checkpoint");
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "restore", folder_ / "text"}), stylectl::kExitUsage);
-  EXPECT_THAT(said_, HasSubstr("not a checkpoint, expected a file of stylectl checkpoint take"));
+  EXPECT_THAT(output_, HasSubstr("not a checkpoint, expected a file of stylectl checkpoint take"));
   EXPECT_EQ(Stylectl(first_, {"checkpoint", "restore", file_, "usb.a"}), stylectl::kExitRefused);
-  EXPECT_THAT(said_, HasSubstr("expected SOURCE.NAME with a source of this daemon"));
+  EXPECT_THAT(output_, HasSubstr("expected SOURCE.NAME with a source of this daemon"));
   EXPECT_EQ(Stylectl(first_, {"checkpoint"}), stylectl::kExitUsage);
 }
 
@@ -147,12 +147,12 @@ TEST_F(CheckpointTest, OtherWeightsAreNamed) {
   Subscriber subscriber(first_.publish, Topics());
   UdpLink(first_.udp).Send(rig_.Body());
   ASSERT_TRUE(subscriber.WaitForBody());
-  ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), 0) << said_;
+  ASSERT_EQ(Stylectl(first_, {"checkpoint", "take", "rig.a", file_}), 0) << output_;
   const std::string weights = folder_ / "other.safetensors";
   WriteRandomWeights(weights, 5, 2);
   const Daemon other({}, "", {}, weights);
   EXPECT_EQ(Stylectl(other, {"checkpoint", "restore", file_}), stylectl::kExitRefused);
-  EXPECT_THAT(said_, HasSubstr("expected the contents of weights.safetensors"));
+  EXPECT_THAT(output_, HasSubstr("expected the contents of weights.safetensors"));
 }
 
 }  // namespace

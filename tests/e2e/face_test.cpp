@@ -15,7 +15,7 @@ namespace {
 
 Bytes Copy(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
 
-// A phone's socket: it answers whoever sent to it last.
+// A phone's socket: it answers the sender of the last datagram.
 class PhoneSocket {
  public:
   PhoneSocket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
@@ -32,7 +32,7 @@ class PhoneSocket {
   PhoneSocket& operator=(const PhoneSocket&) = delete;
 
   const std::string& address() const { return address_; }
-  // What has come; empty: nothing.
+  // The datagram that has arrived; empty: none.
   Bytes Receive() {
     Bytes bytes(2048);
     socklen_t size = sizeof peer_;

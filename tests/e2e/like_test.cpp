@@ -1,5 +1,4 @@
-// A style from an example, over real sockets: it is there for all clients, and nobody's motion
-// jumps.
+// A style from an example, over real sockets: all clients see it, and no performer's motion jumps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -145,14 +144,14 @@ TEST_F(LikeTest, WhatCannotBeAnExampleIsRefusedWithTheReason) {
   code.mutable_like()->mutable_code()->Resize(64, 3e38F);
   refuses(code, v1::CODE_MALFORMED, "like: code: expected finite numbers, not huge ones");
   EXPECT_EQ(Styles().size(), 4U);
-  // A performer that nobody knows: the style is made, and the reply says what went wrong.
+  // An unknown performer: the style is made, and the reply names the error.
   const v1::Reply unknown = control_.Ask(Like("nosource.a", "mine", walk));
   EXPECT_EQ(unknown.code(), v1::CODE_UNKNOWN_PERFORMER);
   NextFrame();
 }
 
 TEST_F(LikeTest, APerformerShowsTheStyle) {
-  // Frames come all the while; the reply comes after the second and a half that was asked for.
+  // Frames arrive all the while; the reply arrives after the second and a half that was requested.
   std::atomic<bool> more{true};
   std::thread moving([&] {
     while (more) {
@@ -170,7 +169,7 @@ TEST_F(LikeTest, APerformerShowsTheStyle) {
   ASSERT_EQ(reply.applied_size(), 1);
   EXPECT_GT(reply.applied(0).first_sequence(), 150U) << "frames of the take";
 
-  // Who stops is told so, and so is who never began.
+  // A client that stops an example gets a reply, and so does one that never started any.
   std::jthread stops([&] {
     Sleep(0.5);
     more = false;

@@ -75,7 +75,7 @@ TEST_F(MergedFingers, OfASenderOfHandsAloneReachEveryWayOut) {
   const std::string canonical = "styled/app.app/canonical/", rig = "styled/app.app/rig/";
   Subscriber subscriber(daemon.publish, {"body/", canonical, rig});
   App body(daemon.listens.at(2), {"t-first"}), hands(daemon.listens.at(3), {"hands"});
-  body::Pose pose, turned;  // what the hands' sender says of its hands does not matter
+  body::Pose pose, turned;  // the hands in the hands sender's frames do not matter
   for (Quat& q : turned.rotations) q = Quat(Eigen::AngleAxisf(0.7F, Vec3(1, 2, 3).normalized()));
   Paced(240, 120, [&](int) {
     hands.Send(turned);

@@ -48,7 +48,7 @@ TEST(ProcessTest, StopsCleanlyOnSigtermAndOnSigint) {
   }
 }
 
-// In /proc nobody makes a file, root neither.
+// No user can make a file in /proc, not even root.
 TEST(ProcessTest, AStateFolderThatCannotBeWrittenIsToldAtTheStart) {
   const Daemon daemon({"state.dir=/proc"});
   EXPECT_TRUE(LogSays(daemon, "state.dir: /proc: cannot be written: ")) << daemon.Log();

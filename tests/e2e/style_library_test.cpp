@@ -111,7 +111,7 @@ TEST_F(StyleRequestTest, WhatCannotBeDoneIsRefusedWithTheReason) {
   Refuses(Rename("mine", "-x"), v1::CODE_MALFORMED, "name \"-x\": begins with - as an option does");
   Refuses(Rename("mine", "Panic"), v1::CODE_MALFORMED,
           "name \"Panic\": is a word of stylectl and OSC with another meaning");
-  Refuses(Rename("mine", "mine"), v1::CODE_MALFORMED, "name \"mine\": is its name already");
+  Refuses(Rename("mine", "mine"), v1::CODE_MALFORMED, "name \"mine\": is already its name");
   Refuses(Rename("mine", "TWO"), v1::CODE_MALFORMED, "another style that was made has it");
   Refuses(Rename("mine", "mild"), v1::CODE_MALFORMED, "name \"mild\": a preset has it");
   Refuses(Rename("mine", "S2"), v1::CODE_MALFORMED, "a style of the weights has it, \"style2\"");
@@ -168,9 +168,9 @@ TEST_F(StyleRequestTest, AFileGoesOutAndComesInAgain) {
   EXPECT_TRUE(std::filesystem::exists(library() + "copy.json"));
   EXPECT_FALSE(std::filesystem::exists(library() + "copy.bvh")) << "the example did not come along";
 
-  // Another code for the style that is worn, as a program writes it who refines: no jump. What it
-  // wrote besides is not kept: a daemon that kept everything wrote files that grew with each
-  // import.
+  // Another code for the style that is shown, as written by a program that refines styles: no jump.
+  // Other keys of its file are not kept: a daemon that kept everything wrote files that grew with
+  // each import.
   json refined = json::parse(file);
   for (auto& number : refined["code"]) number = 0.5 * number.get<double>();
   refined["refined_s"] = 60;
@@ -230,7 +230,8 @@ TEST_F(StyleRequestTest, WhoWearsARemovedStyleFadesToBypass) {
   EXPECT_THAT(StylesOf(daemon_), testing::ElementsAre("neutral", "style1", "style2", "style3"));
   EXPECT_FALSE(std::filesystem::exists(library() + "mine.json"));
   EXPECT_FALSE(std::filesystem::exists(library() + "mine.bvh"));
-  // One of this name that is made later is another style: nobody wears it unasked.
+  // A style of this name that is made later is another style: no performer gets it without a
+  // request.
   ASSERT_EQ(control_.Ask(LikeOf("mine")).code(), v1::CODE_OK);
   EXPECT_NE(NextFrame().flags() & v1::FLAG_BYPASS, 0U);
 }
@@ -382,14 +383,15 @@ TEST(StyleLibrary, AThousandStyles) {
   ASSERT_TRUE(subscriber.WaitForFrames(1, "styled/"));
   EXPECT_EQ(subscriber.Frames("styled/").back().styles(0).style(), "style-2023");
   EXPECT_LT(after.SetStyle("rig.a", "nobody").reason().size(), 1000U);
-  // There is no room for one more, but for another of a name, however often.
+  // There is no room for another name, but a style of an existing name can be replaced, however
+  // often.
   for (int i = 0; i < 80; ++i) {
     const v1::Reply reply = after.Ask(LikeOf("style-1001"));
     ASSERT_EQ(reply.code(), v1::CODE_OK) << i << ": " << reply.reason();
   }
   EXPECT_EQ(after.Ask(LikeOf("one-more")).code(), v1::CODE_BUSY);
   EXPECT_EQ(after.Ask(LikeOf("one-more")).reason(),
-            "like: there are 1024 made styles already, the most that there can be");
+            "like: there are 1024 made styles already, which is the maximum");
   ASSERT_EQ(after.Ask(Remove("style-1500")).code(), v1::CODE_OK);
   EXPECT_EQ(after.Ask(LikeOf("one-more")).code(), v1::CODE_OK);
   EXPECT_EQ(StylesOf(daemon).size(), 4U + 1024);
@@ -411,7 +413,8 @@ TEST(StyleLibrary, StylesSurviveARestartAndGoWithTheirFiles) {
   const std::string text = ReadText(library + "/two.json");
   EXPECT_THAT(text, HasSubstr("\"licence\": \"CC0-1.0\""));
   EXPECT_THAT(text, HasSubstr("\"source\": \"walk.bvh\""));
-  // What is no style, or of other weights, is left out with the reason; the daemon starts.
+  // A file that is not a style, or belongs to other weights, is left out with the reason; the
+  // daemon starts.
   std::string other = text;
   other.replace(other.find("crc32c:", other.find("\"weights\"")), 15, "crc32c:00000000");
   WriteText(library + "/other.json", other);

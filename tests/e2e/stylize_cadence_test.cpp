@@ -35,15 +35,15 @@ class StylizeCadence : public ToolsTest {
   clip::Clip Stylize(std::vector<std::string> arguments, const std::string& in) {
     arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--weights", weights_, "--overwrite"});
     arguments.insert(arguments.end(), {in, out_});
-    EXPECT_EQ(Run(arguments), 0) << said_;
+    EXPECT_EQ(Run(arguments), 0) << output_;
     return clip::ReadBvh(out_).value();
   }
-  // What stylize says, which ends with `code`.
+  // The output of stylize, which ends with `code`.
   std::string Refusal(int code, std::vector<std::string> arguments, const std::string& in) {
     arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--weights", weights_, "--cadence"});
     arguments.insert(arguments.end(), {in, out_});
     EXPECT_EQ(Run(arguments), code);
-    return said_;
+    return output_;
   }
 
   net::Model model_ = offset::TestModel();
@@ -62,14 +62,14 @@ TEST_F(StylizeCadence, TimePassesAsTheStylesStepsAndTheLengthIsSaid) {
   for (const char* const rate_hz : {"30", "20"}) {  // the slower has frames in between
     const std::string in = Walk(rate_hz, "8");
     const clip::Clip plain = Stylize({"--style", "bent"}, in);
-    EXPECT_EQ(said_, "");
+    EXPECT_EQ(output_, "");
     const clip::Clip warped = Stylize({"--style", "bent", "--cadence"}, in);
     EXPECT_NEAR(Length_s(plain) / Length_s(warped), kFaster, 0.05) << rate_hz;
     EXPECT_EQ(warped.rate_hz, plain.rate_hz);
     char said[100];
     std::snprintf(said, sizeof(said), ": %.2f s of motion, %.2f s at the style's cadence\n",
                   Length_s(plain), Length_s(warped));
-    EXPECT_EQ(said_, "stylize: " + out_ + said);
+    EXPECT_EQ(output_, "stylize: " + out_ + said);
     EXPECT_NEAR(Way_m(warped), Way_m(plain), 1e-3 * Way_m(plain)) << "the floor is the performer's";
     for (std::size_t joint = 0; joint < plain.frames[0].rotations.size(); ++joint) {
       EXPECT_LT(warped.frames.back().rotations[joint].angularDistance(

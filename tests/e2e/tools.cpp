@@ -7,7 +7,7 @@ std::string ToolsTest::Walk(const std::string& rate_hz, const std::string& secon
   EXPECT_EQ(Run({STYLESIM_BINARY, "--script", "walk:60", "--write", file, "--seconds", seconds,
                  "--rate", rate_hz}),
             0)
-      << said_;
+      << output_;
   return file;
 }
 

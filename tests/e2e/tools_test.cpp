@@ -20,10 +20,10 @@ namespace {
 TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--seconds", "1"}), 0);
   const std::string line =
-      "stylesim: no program listens at udp://127.0.0.1:9 (Connection refused); sending goes on.";
-  const std::size_t at = said_.find(line);
-  ASSERT_NE(at, std::string::npos) << said_;
-  EXPECT_EQ(said_.find(line, at + 1), std::string::npos) << said_;
+      "stylesim: no program listens at udp://127.0.0.1:9 (Connection refused); sending continues.";
+  const std::size_t at = output_.find(line);
+  ASSERT_NE(at, std::string::npos) << output_;
+  EXPECT_EQ(output_.find(line, at + 1), std::string::npos) << output_;
 }
 
 TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
@@ -31,9 +31,9 @@ TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
   ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly=0.5", "--mix", "active=0.3",
                  "--mix", "youthful=0.1", in, out}),
             0)
-      << said_;
+      << output_;
   const std::string mixed = ReadText(out);
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", in, out, "--style", "elderly=0.5"}), 0) << said_;
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", in, out, "--style", "elderly=0.5"}), 0) << output_;
   EXPECT_NE(mixed, "");
   EXPECT_NE(ReadText(out), mixed);
 }
@@ -41,19 +41,19 @@ TEST_F(ToolsTest, StylizeTakesItsFilesBehindAMix) {
 // Styling to neutral needs an input style to remove; without one, neutral requests nothing.
 TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   const std::string in = Walk(), out = folder_ / "out.bvh";
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "neutral", in, out}), 0) << said_;
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "neutral", in, out}), 0) << output_;
   const std::string untouched = ReadText(out);
   ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--input-style", "elderly", "--style", "neutral",
                  in, out}),
             0)
-      << said_;
+      << output_;
   EXPECT_NE(ReadText(out), untouched);
   EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--from", "elderly", in, out}), 2)
       << "nothing to put on";
-  EXPECT_NE(said_.find("give --style neutral to remove elderly"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("give --style neutral to remove elderly"), std::string::npos) << output_;
   EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--from", "zombie", "--style", "neutral", in, out}),
             2);
-  EXPECT_NE(said_.find("--input-style: unknown style 'zombie'"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("--input-style: unknown style 'zombie'"), std::string::npos) << output_;
 }
 
 TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
@@ -61,7 +61,7 @@ TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
   const auto way = [&](const std::string& root) {
     EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", "--root", root, in, out}),
               0)
-        << said_;
+        << output_;
     const clip::Clip styled = clip::ReadBvh(out).value();
     const rig::Vec3 way =
         styled.frames.back().translations[0] - styled.frames.front().translations[0];
@@ -71,9 +71,9 @@ TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
   EXPECT_LT(way("stride"), 0.9F * followed) << "the elderly walk slower";
   EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", "--root", "home", in, out}),
             2);
-  EXPECT_NE(said_.find("follow,stride"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("follow,stride"), std::string::npos) << output_;
   EXPECT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--root", "stride", in, out}), 2);
-  EXPECT_NE(said_.find("--root stride: expected a style"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("--root stride: expected a style"), std::string::npos) << output_;
 }
 
 // Between frames far apart, stylize interpolates along a curve: its result for 10 frames per second
@@ -82,7 +82,7 @@ TEST_F(ToolsTest, StylizeMakesOfASlowClipWhatItMakesOfAFastOne) {
   std::vector<clip::Clip> styled;
   for (const std::string rate_hz : {"30", "10"}) {
     const std::string in = Walk(rate_hz, "5"), out = folder_ / "out.bvh";
-    ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", in, out}), 0) << said_;
+    ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--style", "elderly", in, out}), 0) << output_;
     styled.push_back(clip::ReadBvh(out).value());
   }
   ASSERT_GE(styled[0].frames.size(), 3 * (styled[1].frames.size() - 1) + 1);
@@ -107,8 +107,9 @@ TEST_F(ToolsTest, StylizeRefusesWildWeightsAndWritesNothing) {
     EXPECT_EQ(
         Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "style2", in, out}),
         1);
-    EXPECT_NE(said_.find(weights + ": the trial run"), std::string::npos) << said_;
-    EXPECT_NE(said_.find("expected a rotation of length 1, found nan"), std::string::npos) << said_;
+    EXPECT_NE(output_.find(weights + ": the trial run"), std::string::npos) << output_;
+    EXPECT_NE(output_.find("expected a rotation of length 1, found nan"), std::string::npos)
+        << output_;
     EXPECT_FALSE(std::filesystem::exists(out)) << tensor;
   }
 }
@@ -125,10 +126,10 @@ TEST_F(ToolsTest, StylizeSaysHowManyFramesItCouldNotStyleAndWritesNoNonsense) {
   WriteWeights(weights, erd::SleepingWeights(5, 1));
   EXPECT_EQ(
       Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "style2", in, out}), 3);
-  EXPECT_NE(said_.find("out.bvh: 10 of " + std::to_string(clip.frames.size()) +
-                       " frames are the performer's own"),
+  EXPECT_NE(output_.find("out.bvh: 10 of " + std::to_string(clip.frames.size()) +
+                         " frames are the performer's own"),
             std::string::npos)
-      << said_;
+      << output_;
   const auto styled = clip::ReadBvh(out);
   ASSERT_TRUE(styled.ok()) << styled.status().message();
   ASSERT_EQ(styled.value().frames.size(), clip.frames.size());
@@ -152,7 +153,7 @@ TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
   offset::WriteTestWeights(weights);
   ASSERT_EQ(
       Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "stooped", in, out}), 0)
-      << said_;
+      << output_;
   const clip::Clip given = clip::ReadBvh(in).value(), styled = clip::ReadBvh(out).value();
   ASSERT_EQ(styled.frames.size(), given.frames.size());
   for (std::size_t i = 0; i < given.frames.size(); ++i) {
@@ -163,16 +164,16 @@ TEST_F(ToolsTest, StylizeRunsAConstantOffset) {
   }
   EXPECT_EQ(
       Run({STYLIZE_BINARY, "--overwrite", "--weights", weights, "--style", "elderly", in, out}), 2);
-  EXPECT_NE(said_.find("unknown style 'elderly'; expected one of neutral, bent, raised"),
+  EXPECT_NE(output_.find("unknown style 'elderly'; expected one of neutral, bent, raised"),
             std::string::npos)
-      << said_;
+      << output_;
 }
 
 // Weights whose network needs whole clips, with the same program.
 class StylizeClips : public ToolsTest {
  protected:
-  StylizeClips() { Take(stgcn::RandomWeights(4, 16, 1)); }
-  void Take(const stgcn::WeightsFile& weights) {
+  StylizeClips() { UseWeights(stgcn::RandomWeights(4, 16, 1)); }
+  void UseWeights(const stgcn::WeightsFile& weights) {
     const std::vector<std::byte> bytes = weights.Bytes();
     WriteText(weights_, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   }
@@ -187,7 +188,7 @@ class StylizeClips : public ToolsTest {
   std::string Refusal(const std::vector<std::string>& arguments, const std::string& in) {
     EXPECT_EQ(Stylize(arguments, in), "");
     EXPECT_FALSE(std::filesystem::exists(out_));
-    return said_;
+    return output_;
   }
 
   std::string weights_ = folder_ / "stgcn.safetensors", out_ = folder_ / "out.bvh";
@@ -197,7 +198,7 @@ TEST_F(StylizeClips, StylesByNameExampleNoiseAndMix) {
   const std::string in = Walk("30", "4"), example = Walk("60", "3");
   const std::string source = ReadText(in);
   const std::string named = Stylize({"--style", "style2"}, in);
-  ASSERT_NE(named, "") << said_;
+  ASSERT_NE(named, "") << output_;
   EXPECT_NE(named, source);
   EXPECT_EQ(Stylize({"--style", "s2"}, in), named) << "the same twice, and by its alias";
   std::set<std::string> all{named};
@@ -217,7 +218,7 @@ TEST_F(StylizeClips, StylesByNameExampleNoiseAndMix) {
            {"--style", "style2", "--absolute"},
            {"--style", "style2", "--window", "overlapping", "--no-feet"}}) {
     const std::string written = Stylize(arguments, in);
-    EXPECT_NE(written, "") << said_;
+    EXPECT_NE(written, "") << output_;
     EXPECT_TRUE(all.insert(written).second) << testing::PrintToString(arguments);
   }
   EXPECT_EQ(Stylize({"--style", "style2", "--vary", "9", "--amount", "0"}, in), named);
@@ -246,7 +247,7 @@ TEST_F(StylizeClips, TheInputStyleAloneIsRefusedWithWhatRemovesIt) {
                 .find("--input-style: expected --style, --mix or --like, found none: give --style "
                       "neutral to remove style1"),
             std::string::npos)
-      << said_;
+      << output_;
 }
 
 TEST_F(StylizeClips, NumbersOfVariationsAreWholeAndInRange) {
@@ -256,15 +257,15 @@ TEST_F(StylizeClips, NumbersOfVariationsAreWholeAndInRange) {
                   .find("'" + std::string(number) +
                         "': expected a whole number from 0 to 18446744073709551615"),
               std::string::npos)
-        << number << ": " << said_;
+        << number << ": " << output_;
   }
-  EXPECT_NE(Stylize({"--style", "style1", "--vary", "18446744073709551615"}, in), "") << said_;
+  EXPECT_NE(Stylize({"--style", "style1", "--vary", "18446744073709551615"}, in), "") << output_;
 }
 
 TEST_F(StylizeClips, KeepsFramesAndRateOfAnyClip) {
   for (const char* const rate_hz : {"10", "30", "50", "120"}) {
     const std::string in = Walk(rate_hz, "2");
-    ASSERT_NE(Stylize({"--style", "style1"}, in), "") << said_;
+    ASSERT_NE(Stylize({"--style", "style1"}, in), "") << output_;
     const clip::Clip given = clip::ReadBvh(in).value(), styled = clip::ReadBvh(out_).value();
     EXPECT_EQ(styled.frames.size(), given.frames.size());
     EXPECT_EQ(styled.rate_hz, given.rate_hz);
@@ -273,9 +274,9 @@ TEST_F(StylizeClips, KeepsFramesAndRateOfAnyClip) {
 
 TEST_F(StylizeClips, AnExampleOfAStyleIsCalledThat) {
   const std::string in = Walk("30", "4");
-  ASSERT_NE(Stylize({"--like", in}, in), "") << said_;
-  EXPECT_NE(said_.find(in + ": nearest to "), std::string::npos) << said_;
-  EXPECT_NE(said_.find(" of the mean distance between styles"), std::string::npos) << said_;
+  ASSERT_NE(Stylize({"--like", in}, in), "") << output_;
+  EXPECT_NE(output_.find(in + ": nearest to "), std::string::npos) << output_;
+  EXPECT_NE(output_.find(" of the mean distance between styles"), std::string::npos) << output_;
 }
 
 TEST_F(StylizeClips, AnExampleIsReadOnceForAllStyles) {
@@ -283,11 +284,11 @@ TEST_F(StylizeClips, AnExampleIsReadOnceForAllStyles) {
   ASSERT_EQ(Run({STYLIZE_BINARY, "--overwrite", "--weights", weights_, "--style", "style1,style2",
                  "--like", example, "--out", folder_ / "{style}.bvh", in}),
             0)
-      << said_;
+      << output_;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "style2.bvh"));
-  const std::size_t first = said_.find("nearest to ");
-  ASSERT_NE(first, std::string::npos) << said_;
-  EXPECT_EQ(said_.find("nearest to ", first + 1), std::string::npos) << said_;
+  const std::size_t first = output_.find("nearest to ");
+  ASSERT_NE(first, std::string::npos) << output_;
+  EXPECT_EQ(output_.find("nearest to ", first + 1), std::string::npos) << output_;
 }
 
 TEST_F(StylizeClips, RefusesWhatItCannotDo) {
@@ -301,7 +302,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--mix", "zombie=0.2"}, "--mix: unknown style 'zombie'");
   refuses({"--from", "zombie", "--style", "style1"}, "--input-style: unknown style 'zombie'");
   refuses({"--style", "style1=x"},
-          "--style: 'style1=x': expected behind '=' a weight from 0 to 1.5");
+          "--style: 'style1=x': expected after '=' a weight from 0 to 1.5");
   refuses({"--style", "style1=nan"}, "--style: 'style1=nan': expected behind '=' a weight");
   refuses({"--style", "style1", "--mix", "s1=0.1"}, "a style is named twice");
   refuses({"--style", "style1=1", "--like", in + "=0.7", "--strength", "0.5"},
@@ -315,7 +316,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--vary", "3"}, "--vary: expected --style or --mix, found none");
   refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected behind '=' a weight");
   refuses({"--like", in + "=2"},
-          "--like: '" + in + "=2': expected behind '=' a weight from 0 to 1.5");
+          "--like: '" + in + "=2': expected after '=' a weight from 0 to 1.5");
   refuses({"--like", folder_ / "none.bvh"}, "--like: " + std::string(folder_ / "none.bvh"));
   refuses({"--style", "style1", "--parts", "tail"}, "--parts tail: expected");
   refuses({"--style", "style1", "--window", "huge"}, "--window");
@@ -332,16 +333,16 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
                 .find(few + ": found 7 frames at 30 Hz, expected "
                             "at least 8"),
             std::string::npos)
-      << said_;
+      << output_;
   refuses({"--like", few}, "--like: " + few + ": found 7 frames at 30 Hz, expected at least 8");
 }
 
 // The same of live weights that know a space of styles.
 TEST_F(StylizeClips, LiveWeightsTakeExamplesNoiseAndMixToo) {
-  Take(stgcn_causal::RandomWeights(4, 16, 1));
+  UseWeights(stgcn_causal::RandomWeights(4, 16, 1));
   const std::string in = Walk("30", "4"), example = Walk("60", "3");
   const std::string named = Stylize({"--style", "style2"}, in);
-  ASSERT_NE(named, "") << said_;
+  ASSERT_NE(named, "") << output_;
   std::set<std::string> all{named, ReadText(in)};
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"--style", "style2", "--vary", "1"},
@@ -352,12 +353,12 @@ TEST_F(StylizeClips, LiveWeightsTakeExamplesNoiseAndMixToo) {
            {"--like", example, "--like", in},
            {"--like", example + "=0.5", "--style", "style2=0.5"}}) {
     const std::string written = Stylize(arguments, in);
-    EXPECT_NE(written, "") << said_;
+    EXPECT_NE(written, "") << output_;
     EXPECT_TRUE(all.insert(written).second) << testing::PrintToString(arguments);
   }
   EXPECT_EQ(Stylize({"--style", "style2", "--vary", "9", "--amount", "0"}, in), named);
   EXPECT_NE(Stylize({"--like", example}, in), "");
-  EXPECT_NE(said_.find(example + ": nearest to "), std::string::npos) << said_;
+  EXPECT_NE(output_.find(example + ": nearest to "), std::string::npos) << output_;
 
   clip::Clip brief = clip::ReadBvh(in).value();
   brief.frames.resize(7, rig::RigPose(brief.skeleton));
@@ -366,11 +367,11 @@ TEST_F(StylizeClips, LiveWeightsTakeExamplesNoiseAndMixToo) {
   EXPECT_NE(Refusal({"--like", few}, in)
                 .find("--like: " + few + ": found 7 frames at 30 Hz, expected at least 8"),
             std::string::npos)
-      << said_;
+      << output_;
   EXPECT_NE(Refusal({"--style", "style2", "--window", "whole"}, in)
                 .find("\"st-gcn-causal\" have no windows; expected weights of family \"st-gcn\""),
             std::string::npos)
-      << said_;
+      << output_;
 }
 
 TEST_F(StylizeClips, WeightsWithoutAStyleEncoderAreNamed) {
@@ -380,17 +381,17 @@ TEST_F(StylizeClips, WeightsWithoutAStyleEncoderAreNamed) {
                 .find("--like: the weights of family \"constant-offset\" have no style encoder; "
                       "expected weights of family \"st-gcn\" or \"st-gcn-causal\""),
             std::string::npos)
-      << said_;
+      << output_;
   EXPECT_NE(Refusal({"--style", "bent", "--vary", "1"}, in).find("--vary: the weights of family"),
             std::string::npos)
-      << said_;
+      << output_;
   EXPECT_NE(Refusal({"--style", "bent", "--window", "whole"}, in).find("--window: the weights of"),
             std::string::npos)
-      << said_;
+      << output_;
   EXPECT_NE(Refusal({"--style", "bent", "--root", "stride"}, in)
                 .find("--root stride: the weights have no speed of 'neutral'"),
             std::string::npos)
-      << said_;
+      << output_;
 }
 
 TEST_F(StylizeClips, WildWeightsAreRefused) {
@@ -401,16 +402,16 @@ TEST_F(StylizeClips, WildWeightsAreRefused) {
   WriteText(weights_, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   EXPECT_NE(Refusal({"--style", "style1"}, in).find(weights_ + ": the trial run"),
             std::string::npos)
-      << said_;
+      << output_;
 }
 
 TEST_F(ToolsTest, ShippedWeightsAreFoundByName) {
   for (const char* const name : {"st-gcn", "st-gcn.safetensors"}) {
-    EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", name}), 0) << said_;
-    EXPECT_NE(said_.find("other weights: --weights v2"), std::string::npos) << said_;
+    EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", name}), 0) << output_;
+    EXPECT_NE(output_.find("other weights: --weights v2"), std::string::npos) << output_;
   }
   EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", "zombie"}), 1);
-  EXPECT_NE(said_.find("looked for zombie, "), std::string::npos) << said_;
+  EXPECT_NE(output_.find("looked for zombie, "), std::string::npos) << output_;
   EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", folder_ / "st-gcn"}), 1) << "a path";
 }
 
@@ -440,31 +441,31 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
            {STYLESIM_BINARY, "--as", "vmc", "--faults", "oversized=0.1"},
            {STYLESIM_BINARY, "--as", "vmc", "--timecode", "10:00:00"}}) {
     EXPECT_EQ(Run(wrong), 2) << testing::PrintToString(wrong);
-    EXPECT_NE(said_, "");
+    EXPECT_NE(output_, "");
   }
   EXPECT_EQ(Run({STYLESIM_BINARY, "--bvh", folder_ / "none.bvh"}), 1);
-  EXPECT_NE(said_.find("none.bvh"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("none.bvh"), std::string::npos) << output_;
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "no program listens there";
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 2);
-  EXPECT_NE(said_.find("unknown style 'zombie'"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("unknown style 'zombie'"), std::string::npos) << output_;
   WriteText(in, "HIERARCHY\n");
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 1);
-  EXPECT_NE(said_.find(in + ":2: found the end, expected ROOT"), std::string::npos) << said_;
+  EXPECT_NE(output_.find(in + ":2: found the end, expected ROOT"), std::string::npos) << output_;
 }
 
 TEST_F(ToolsTest, StylizeWritesTheFormatOfTheExtension) {
   const std::string in = Walk();
-  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out.glb"}), 0) << said_;
+  ASSERT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out.glb"}), 0) << output_;
   EXPECT_EQ(ReadText(folder_ / "out.glb").substr(0, 4), "glTF");
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, folder_ / "out"}), 2);
-  EXPECT_NE(said_.find("out: found no extension, expected one of .bvh, .glb"), std::string::npos)
-      << said_;
+  EXPECT_NE(output_.find("out: found no extension, expected one of .bvh, .glb"), std::string::npos)
+      << output_;
 }
 
 // Without a valid rate it would flood the receiver.
 TEST_F(ToolsTest, StylesimRefusesARateThatIsNoNumber) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--rate", "nan"}), 2);
-  EXPECT_NE(said_.find("nan"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("nan"), std::string::npos) << output_;
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ class VaryTest : public testing::Test {
     EXPECT_TRUE(subscriber_.WaitForBody());
   }
 
-  // Both move for so many frames; their last ones.
+  // Both move for this many frames; their last ones.
   std::array<v1::Frame, 2> Move(int frames) {
     const std::size_t before = subscriber_.Frames("styled/").size();
     Paced(frames, 240, [&](int) {
@@ -128,7 +128,7 @@ TEST_F(VaryTest, EachHasTheirOwnAndDriftMovesOn) {
   each.mutable_set()->set_vary(3);
   Do(each);
   EXPECT_LT(Apart_rad(Move(360)), kAlike_rad);
-  // Both wander, the same way.
+  // Both drift, the same way.
   each.mutable_set()->set_drift_s(1);
   Do(each);
   Move(360);

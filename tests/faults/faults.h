@@ -24,7 +24,7 @@ struct Fault {
   Outcome (*run)(const Effort&);
 };
 
-// What happens to the process, to its peers, and to what it is sent.
+// The faults: in the process, in its peers, and in its input.
 std::vector<Fault> ProcessFaults();
 std::vector<Fault> PeerFaults();
 std::vector<Fault> InputFaults();

@@ -1,4 +1,4 @@
-// What comes in: datagrams that are lost, clocks that step, values that are none.
+// Faults of the input: datagrams that are lost, clocks that step, invalid values.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -35,7 +35,7 @@ Outcome Loss(const Effort& effort) {
     if (!watcher.Sees(5)) return Failed("no frame");
     Sleep(effort.Seconds(10));
     const Feed::Sent sent = feed.Stop();
-    // What was withheld last is not missed before somebody comes after it.
+    // A datagram withheld last counts as missed only when another one follows.
     Sleep(0.5);
     ControlClient control(daemon.control);
     const auto lost = control.Counter("pipeline.lost");
@@ -162,8 +162,8 @@ class Inspector final : public publish::Publisher {
     }
   }
   bool NextSubscription(publish::SubscriptionEvent& event) override {
-    if (told_) return false;
-    told_ = true;
+    if (reported_) return false;
+    reported_ = true;
     event = {true, ""};
     return true;
   }
@@ -172,7 +172,7 @@ class Inspector final : public publish::Publisher {
 
  private:
   v1::Frame frame_;
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 // Frames with one or many values that a sensor, a driver or an attacker may send, through the

@@ -1,5 +1,5 @@
-// styled_faults_run: does to the real daemon what a week beside a show does, and prints what came
-// of it beside the goal. Exits with 1 where one was not reached.
+// styled_faults_run: exposes the real daemon to the faults of a week beside a show, and prints each
+// result beside its goal. Exits with 1 where a goal was not reached.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdarg>

@@ -1,4 +1,4 @@
-// What others do: they do not read, they talk garbage, they send more than anybody can style.
+// Faults of peers: they do not read, they send garbage, they send more than can be styled.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -41,7 +41,7 @@ int ConnectTo(const std::string& address) {
 }
 
 // A renderer with our client library, latest wins, in a process of its own that is stopped for a
-// while. It tells, once it goes on, how old the first frame is that it draws.
+// while. Once it continues, it reports the age of the first frame that it draws.
 Outcome Stopped(const Effort& effort) {
   Daemon daemon({"publish.high_water_mark=64"});  // as it comes
   int told[2];
@@ -142,8 +142,8 @@ Outcome Garbage(const Effort& effort) {
              static_cast<unsigned long long>(after.missing - before.missing))};
 }
 
-// More than can be styled, as fast as a sender can: what comes out and what is counted is what came
-// in; after it all is as before.
+// More than can be styled, as fast as a sender can: frames published and frames counted add up to
+// the frames sent; afterwards all is as before.
 Outcome Overload(const Effort& effort) {
   Daemon daemon({"performers.backlog_ms=100"});
   const Watcher watcher(daemon.publish);
@@ -174,7 +174,7 @@ Outcome Overload(const Effort& effort) {
         ++frames;
       }
     }
-    // What was dropped last is missed when somebody comes after it.
+    // A datagram dropped last counts as missed only when another one follows.
     Sleep(0.5);
     for (auto& rig : rigs) link.Send(rig.Frame());
     frames += rigs.size();
@@ -202,8 +202,8 @@ Outcome Overload(const Effort& effort) {
                  static_cast<unsigned long long>(passed_over), growth_mb, back_s)};
 }
 
-// Sends subscriptions that nobody else has, 5,000 a second at most (so that somebody can watch what
-// comes of it), on a thread of its own.
+// Sends subscriptions that no other client has, 5,000 a second at most (so that their effect can be
+// observed), on a thread of its own.
 class Flooder {
  public:
   Flooder(const std::string& publish, const support::CurveKeys& keys) {
@@ -247,9 +247,9 @@ class Flooder {
   std::thread thread_;
 };
 
-// Where keys are asked for. libzmq keeps every subscription before the daemon sees it: with a key
-// the flood is the service manager's to end, MemoryMax, for which a limit on the address space
-// stands here.
+// With keys required. libzmq keeps every subscription before the daemon sees it: with a key the
+// flood is the service manager's to end, MemoryMax, for which a limit on the address space stands
+// here.
 Outcome Flood(const Effort& effort) {
   constexpr std::uint64_t kMemoryMax = 256U << 20U;
   const support::TemporaryFolder folder;

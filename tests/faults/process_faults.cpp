@@ -1,4 +1,4 @@
-// What happens to the daemon's own process: killed, reloaded, out of descriptors, out of disk.
+// Faults of the daemon's own process: killed, reloaded, out of descriptors, out of disk.
 #include <signal.h>
 #include <sys/resource.h>
 

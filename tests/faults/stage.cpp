@@ -90,11 +90,11 @@ void Watcher::Run() {
     // One stream a performer is enough.
     const std::string_view name(topic.data(), static_cast<std::size_t>(topic_size));
     if (size > 0 && name.ends_with("/rig/"))
-      Take(std::string(payload.data(), static_cast<std::size_t>(size)));
+      Record(std::string(payload.data(), static_cast<std::size_t>(size)));
   }
 }
 
-void Watcher::Take(const std::string& payload) {
+void Watcher::Record(const std::string& payload) {
   v1::Frame frame;
   if (!frame.ParseFromString(payload)) return;
   bool good = frame.rotations_size() > 0;

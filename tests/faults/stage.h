@@ -70,7 +70,7 @@ class Watcher {
 
  private:
   void Run();
-  void Take(const std::string& payload);
+  void Record(const std::string& payload);
   void *context_, *socket_;
   std::atomic<bool> stop_{false};
   mutable std::mutex mutex_;

@@ -16,7 +16,7 @@ styled_install fuzz
 build=$root/build/fuzz
 mkdir -p "$build"
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-  -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF -DSTYLED_LIBFUZZER=ON \
+  -DSTYLED_UNITY=ON -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF -DSTYLED_LIBFUZZER=ON \
   -DSTYLED_SANITIZE=address,undefined,fuzzer-no-link \
   -DCMAKE_CXX_FLAGS=-fno-sanitize-recover=undefined ${STYLED_CMAKE:-} >"$build.log" 2>&1 || {
   tail -n 20 "$build.log" >&2

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "model/base/crc32c.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/rigs/native/header.h"
 #include "proto/rigs/native/stream_reader.h"
@@ -38,7 +39,7 @@ void CheckResealed(std::span<const std::byte> bytes) {
       sealed, header::kLength,
       static_cast<std::uint32_t>(sealed.size() - styled::native::kHeaderSize));
   header::Write<std::uint32_t>(sealed, header::kCrc, 0);
-  header::Write<std::uint32_t>(sealed, header::kCrc, styled::native::Crc32c(sealed));
+  header::Write<std::uint32_t>(sealed, header::kCrc, styled::Crc32c(sealed));
   CheckDatagram(sealed);
 }
 

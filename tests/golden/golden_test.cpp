@@ -35,7 +35,7 @@ float MostMetres(const body::Vec3& root_m) {
 
 struct Difference {
   float metres = 0, degrees = 0;
-  void Take(const Difference& other) {
+  void Include(const Difference& other) {
     metres = std::max(metres, other.metres);
     degrees = std::max(degrees, other.degrees);
   }
@@ -89,7 +89,7 @@ void Compare(const std::string& topic, const std::vector<v1::Frame>& found,
     EXPECT_LT(difference.metres, MostMetres(RootOf(frame) * metres_per_unit))
         << topic << ", frame " << frame.sequence();
     EXPECT_LT(difference.degrees, kMost_deg) << topic << ", frame " << frame.sequence();
-    worst.Take(difference);
+    worst.Include(difference);
   }
   EXPECT_EQ(found.back().sequence(), expected.back().sequence()) << topic << ": frames in all";
 }

@@ -14,7 +14,7 @@
 
 namespace styled::golden {
 
-// What the pipeline publishes for a recording of the daemon.
+// The frames that the pipeline publishes for a recording of the daemon.
 struct Played {
   std::map<std::string, std::vector<v1::Frame>> frames;  // by topic
   std::vector<v1::Body> bodies;                          // each different body once

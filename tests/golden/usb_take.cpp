@@ -44,7 +44,7 @@ std::string Configuration(const std::string& kind, const support::WornTrackers& 
          "[performers]\nbacklog_ms = 10000\n[record]\nfile = \"take.styrec\"\n";
 }
 
-int Take(const std::string& kind, double seconds) {
+int RecordTake(const std::string& kind, double seconds) {
   if (!support::FakeUsb::Available()) {
     std::cerr << "styled_golden_usb: no umockdev\n";
     return 1;
@@ -93,5 +93,5 @@ int main(int argc, char** argv) {
     std::cerr << "usage: styled_golden_usb KIND SECONDS\n";
     return 2;
   }
-  return styled::golden::Take(argv[1], std::atof(argv[2]));
+  return styled::golden::RecordTake(argv[1], std::atof(argv[2]));
 }

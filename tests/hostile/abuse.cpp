@@ -1,7 +1,7 @@
-// styled_abuse --minutes 60: two daemons that stand in for each other, sixteen performers at 120
-// Hz, a program that subscribes to both, and all attacks of attacks.h in turn, with noise at the
-// sources; with --kill also kill -9 of the leader once a minute. Prints what was lost, how long a
-// sign of life stayed away, how long both led, and how memory grew. Exit code 1: a bound is broken.
+// styled_abuse --minutes 60: a pair of daemons, sixteen performers at 120 Hz, a program that
+// subscribes to both, and all attacks of attacks.h in turn, with noise at the sources; with --kill
+// also kill -9 of the leader once a minute. Prints the losses, the longest time without a sign of
+// life, how long both led, and the growth of memory. Exit code 1: a bound is broken.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
   double noted_min = 0;
   int kills = 0;
   for (std::size_t round = 0; SecondsSince(begin) < 60 * minutes; ++round) {
-    // Those that move or lead a performer elsewhere, or are asked of a standby, are in it, too.
+    // Requests that move or lead a performer elsewhere, or are sent to a standby, are included.
     Attack(pair, attacks[random() % attacks.size()], loot, random);
     if (SecondsSince(begin) / 60 < noted_min + 1) continue;
     noted_min += 1;

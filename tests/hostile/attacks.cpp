@@ -124,7 +124,7 @@ std::string LargeBvh(std::size_t bytes) {
   const std::size_t first = short_walk.find('\n', short_walk.find("Frame Time:")) + 1;
   const std::string frame = short_walk.substr(first, short_walk.find('\n', first) + 1 - first);
   const std::size_t frames = (bytes - first) / frame.size();
-  // At most a minute is an example: the rate is what makes so many frames one.
+  // At most a minute is an example: the rate determines the number of its frames.
   return short_walk.substr(0, motion) + "Frames: " + std::to_string(frames) +
          "\nFrame Time: " + std::to_string(30.0 / static_cast<double>(frames)) + "\n" +
          Times(frames, frame);
@@ -234,6 +234,18 @@ std::vector<RequestAttack> RequestAttacks() {
        [](const Loot&) {
          v1::Request request;
          request.mutable_preview()->set_style("style1");
+         return request;
+       }},
+      {"explain", "AllThatIsKeptAgainAndAgain",
+       [](const Loot&) {
+         v1::Request request = Of("rig.victim");
+         request.mutable_explain()->set_last(std::numeric_limits<std::uint32_t>::max());
+         return request;
+       }},
+      {"explain", "OfALongNameAndAllTime",
+       [=](const Loot&) {
+         v1::Request request = Of(long_text);
+         request.mutable_explain()->set_after_ns(std::numeric_limits<std::int64_t>::min());
          return request;
        }},
       {"export_style", "OfALongName",

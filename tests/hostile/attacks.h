@@ -14,7 +14,7 @@
 // proto/rigs/types.h (rigs_test.cpp), those of files are in files_test.cpp.
 namespace styled::hostile {
 
-// What an attacker who is admitted can get: true data to start from.
+// The data that an admitted attacker can get: true data to start from.
 struct Loot {
   std::string style_file;  // of a style that was made, as export_style gives it
   v1::Checkpoint checkpoint;

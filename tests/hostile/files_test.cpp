@@ -115,8 +115,8 @@ std::string UpTo(std::size_t bytes, const std::string& text) {
   return all;
 }
 
-// What stands in the place of a valid file, with a word for it. Made when it is written: what a
-// child process is said to have taken at most is at least what its parent has.
+// The content in place of a valid file, with a word for it. Made when it is written: the peak
+// memory reported for a child process is at least that of its parent.
 struct Content {
   std::string word;
   std::function<std::string()> make;

@@ -11,9 +11,9 @@
 namespace styled::hostile {
 namespace {
 
-constexpr double kMostSilence_s = 1;  // a service manager is told to wait for longer
+constexpr double kMostSilence_s = 1;  // a service manager has to wait for longer
 constexpr std::int64_t kMemoryFactor = 8, kDiskFactor = 2;
-// What any request may take: arenas of the allocator, tables of fixed size.
+// The memory that any request may use: arenas of the allocator, tables of fixed size.
 constexpr std::int64_t kMemorySlack = std::int64_t{32} << 20, kDiskSlack = 256 << 10;
 constexpr int kClients = 3;
 constexpr double kAttack_s = 1.5;
@@ -28,7 +28,7 @@ class RequestTest : public testing::TestWithParam<RequestAttack> {
     delete stage_;
     stage_ = nullptr;
   }
-  // A daemon that was harmed is no measure of the next attack.
+  // A daemon that was harmed would falsify the next attack's result.
   void TearDown() override {
     if (!HasFailure()) return;
     TearDownTestSuite();

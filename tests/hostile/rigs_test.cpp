@@ -1,5 +1,5 @@
-// Each type of source (proto/rigs/types.h) is sent what is no rig's: noise of every size, its own
-// stand-in's frames damaged, connections that never finish, servers that talk nonsense. The
+// Each type of source (proto/rigs/types.h) gets input that is not a rig's: noise of every size, its
+// own stand-in's frames damaged, connections that never finish, servers that send garbage. The
 // properties of stage.h hold. A new type is attacked from its first day: the rows are the table's.
 #include <gtest/gtest.h>
 #include <netinet/in.h>

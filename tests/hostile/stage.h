@@ -19,7 +19,7 @@ namespace styled::hostile {
 
 using Clock = std::chrono::steady_clock;
 
-// What a service manager hears of a daemon, with the times at which it hears it. A thread of its
+// The notifications that a service manager gets from a daemon, with their times. A thread of its
 // own.
 class ServiceManager {
  public:
@@ -60,13 +60,12 @@ struct Measured {
   std::uint64_t victim = 0;    // frames of the victim that were sent
   std::uint64_t received = 0;  // of these, those that a subscriber received
   double both_lead_s = 0;      // longest time for which both daemons said that they lead
-  bool one_leads = false;      // at the end one leads, and the other one is its standby
+  bool one_leads = false;      // at the end one leads, and the other is its standby
   bool alive = false;          // the process runs
 };
 
-// Two daemons that stand in for each other, under a service manager, with a library and a state
-// folder; a victim who performs at 120 Hz for both; and somebody who watches. Attacks go to the
-// leader.
+// A pair of daemons, under a service manager, with a library and a state folder; a victim who
+// performs at 120 Hz for both; and a subscriber. Attacks go to the leader.
 class Stage {
  public:
   // `extra`: TOML for both daemons. `settings`: as of support::Daemon.

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/base/crc32c.h"
 #include "model/net/safetensors.h"
-#include "proto/rigs/native/datagram.h"
 
 namespace styled::parity {
 namespace {
@@ -38,7 +38,7 @@ Result<std::string> FileCrc(const std::filesystem::path& file) {
   const auto bytes = net::ReadFile(file);
   if (!bytes.ok()) return bytes.status();
   char text[9];
-  std::snprintf(text, sizeof text, "%08x", native::Crc32c(bytes.value()));
+  std::snprintf(text, sizeof text, "%08x", Crc32c(bytes.value()));
   return std::string(text);
 }
 

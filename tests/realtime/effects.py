@@ -5,7 +5,7 @@ or later) sees that they do not allocate, lock, block or throw.
   effects.py CLANG BUILD    CLANG: the compiler, e.g. clang++-22; BUILD: a build folder with its
                             compile_commands.json and generated headers
 
-What Clang cannot see (a library's functions, memory that was reserved before) is listed in effects.txt
+Calls that Clang cannot see (a library's functions, memory that was reserved before) are listed in effects.txt
 with the reason why it is allowed there. Fails for a call that is not in the list, for a row of the list
 that no longer stands for a call, and where the negative control, a function that allocates, passes.
 """
@@ -29,7 +29,7 @@ STYLED_REALTIME void Grow(std::vector<int>& values) noexcept { values.push_back(
 
 
 def flags(command):
-    """What decides how a source is read: its include folders, definitions and target."""
+    """The settings with which a source is compiled: its include folders, definitions and target."""
     words = shlex.split(command)
     kept = []
     for index, word in enumerate(words):

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What qemu.sh runs in the virtual machine.
+# Runs in the virtual machine, started by qemu.sh.
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 SYSTEMD_PAGER=
 failed=0
 echo "in the guest, after $(cut -d" " -f1 /proc/uptime) s"
@@ -108,7 +108,7 @@ sed 's/:700\([0-2]\)"/:710\1"/; s/^# address = "tcp/address = "tcp/' /etc/styled
 sed -i 's#^address = "tcp://127.0.0.1:7102"#address = "ipc:///run/styled@stage/control"\nipc_mode = "0660"#' /etc/styled/stage.toml
 check "a second daemon from the template" "$(systemctl start styled@stage; property styled@stage ActiveState)" active
 check "has a state of its own" "$(ls -d /var/lib/private/styled@stage)" "/var/lib/private/styled@stage"
-asked_by() {  # GROUP: by somebody of that group, over ipc
+asked_by() {  # GROUP: by a user of that group, over ipc
   setpriv --reuid 65534 --regid "$1" --clear-groups stylectl --endpoint ipc:///run/styled@stage/control list >/dev/null
   echo $?
 }

@@ -79,7 +79,7 @@ runs() {
 check "a frame's way, and a style" "$(runs)" 1
 check "Python's client is there" "$(inside python3 -c 'import styled; print(styled.__name__)')" styled
 
-# The same as the next version; a configuration that somebody changed stays as it is.
+# The same as the next version; a configuration that the administrator changed stays as it is.
 echo '# mine' >>"$root/etc/styled/styled.toml"
 for deb in "$debs"/*.deb; do
   dpkg-deb -R "$deb" "$work/unpacked"

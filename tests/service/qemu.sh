@@ -13,7 +13,7 @@ build=$(realpath "$1") root=$(realpath "$2") kernel=$(realpath "$3") modules=$(r
 version=$(basename "$modules")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-first=$work/first  # the initramfs: it puts a tmpfs over ROOT and goes on there
+first=$work/first  # the initramfs: it puts a tmpfs over ROOT and continues there
 mkdir -p "$first"/{bin,dev,proc,sys,lower,upper,new,try,lib/modules/"$version"}
 cp "$(command -v busybox)" "$first/bin/busybox"
 for folder in drivers/virtio drivers/usb/common drivers/usb/core drivers/usb/gadget drivers/hid fs/9p fs/netfs fs/fscache \

@@ -13,7 +13,7 @@ for unit in "$1"/*.service; do
   verdict=ok
   awk -v level="$level" -v goal=$goal 'BEGIN { exit !(level > goal) }' && verdict=FAILED failed=1
   printf '%-20s %s, goal <= %s: %s\n' "$(basename "$unit")" "$level" $goal $verdict
-  # What a unit writes is nothing for everybody, nor for its group to change.
+  # Files written by a unit are not writable by others, nor by its group.
   grep -qx 'UMask=00[27]7' "$unit" || { echo "FAILED: $unit: expected UMask=0027 or 0077"; failed=1; }
   # Anything that systemd does not understand is a fault of ours: it would be left out silently.
   complaints=$(systemd-analyze security --offline=true --no-pager "$unit" 2>&1 >/dev/null |

@@ -15,7 +15,7 @@ SCRIPT = os.path.join(ROOT, 'systemd', 'repository.sh')
 CONTROL = """Package: {name}
 Version: {version}
 Architecture: amd64
-Maintainer: Nobody <nobody@styled.invalid>
+Maintainer: Test <test@styled.invalid>
 Description: a package of this test
 {more}"""
 

@@ -27,11 +27,11 @@ void Count() {
 
 namespace {
 
-// Bytes taken since counting began, and the most of them at once. What was taken before and is
-// freed now makes it negative.
+// Bytes allocated since counting began, and their peak. Freeing memory from before then makes it
+// negative.
 std::atomic<std::int64_t> live{0}, peak{0};
 
-void* Taken(void* memory) {
+void* Counted(void* memory) {
   Count();
   if (memory == nullptr || !counting.load(std::memory_order_relaxed)) return memory;
   const auto bytes = static_cast<std::int64_t>(malloc_usable_size(memory));
@@ -57,22 +57,22 @@ void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* memory);
 // NOLINTEND(bugprone-reserved-identifier)
-void* malloc(std::size_t size) { return Taken(__libc_malloc(size)); }
-void* calloc(std::size_t count, std::size_t size) { return Taken(__libc_calloc(count, size)); }
+void* malloc(std::size_t size) { return Counted(__libc_malloc(size)); }
+void* calloc(std::size_t count, std::size_t size) { return Counted(__libc_calloc(count, size)); }
 // Counted as if old and new block were there together, as they are while one is copied.
 void* realloc(void* memory, std::size_t size) {
   const std::size_t before = memory == nullptr ? 0 : malloc_usable_size(memory);
-  void* const taken = Taken(__libc_realloc(memory, size));
+  void* const taken = Counted(__libc_realloc(memory, size));
   if (counting.load(std::memory_order_relaxed) && (taken != nullptr || size == 0)) {
     live.fetch_sub(static_cast<std::int64_t>(before));
   }
   return taken;
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  return Taken(__libc_memalign(alignment, size));
+  return Counted(__libc_memalign(alignment, size));
 }
 int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-  *memory = Taken(__libc_memalign(alignment, size));
+  *memory = Counted(__libc_memalign(alignment, size));
   return *memory == nullptr ? ENOMEM : 0;
 }
 void free(void* memory) {

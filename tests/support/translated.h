@@ -23,11 +23,11 @@ class Translated : public source::Receiver {
     v1::SourceFrame frame;
   };
 
-  void Take(std::span<const std::byte> datagram, std::uint64_t peer = 1) {
+  void Handle(std::span<const std::byte> datagram, std::uint64_t peer = 1) {
     outbox_.Open(*this, -1);
     source::Peer from;
     from.id = peer;
-    translator_->Take(datagram, from, now_ns, outbox_);
+    translator_->Handle(datagram, from, now_ns, outbox_);
     translator_->Tick(now_ns, outbox_);
     outbox_.Close();
   }

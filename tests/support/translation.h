@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/pipeline/body_binding.h"
+#include "daemon/perform/performer/body_binding.h"
 #include "model/body/pose.h"
 #include "tests/support/count_new.h"
 #include "tests/support/translated.h"
@@ -20,7 +20,7 @@ inline std::vector<Translated::Item> Said(Translated& translated,
                                           std::span<const std::byte> datagram,
                                           std::uint64_t peer = 1) {
   translated.items.clear();
-  translated.Take(datagram, peer);
+  translated.Handle(datagram, peer);
   return std::exchange(translated.items, {});
 }
 
@@ -37,7 +37,7 @@ inline int Allocations(source::Translator& translator, std::span<const std::byte
   Nobody nobody;
   const CountNew count;
   outbox.Open(nobody, -1);
-  translator.Take(datagram, source::Peer(), now_ns, outbox);
+  translator.Handle(datagram, source::Peer(), now_ns, outbox);
   translator.Tick(now_ns, outbox);
   outbox.Close();
   return count.calls();

@@ -136,8 +136,8 @@ void FakeUsb::Preload(char** argv) {
 
 bool FakeUsb::Available() { return dlopen(kPreload, RTLD_LAZY | RTLD_NOLOAD) != nullptr; }
 
-// What the device does, and what programs want of it. A plug-in has its own: programs that still
-// hold the device that was unplugged reap what it left them.
+// The device's actions and the programs' requests to it. Each plug-in has its own: programs that
+// still hold the unplugged device reap its remaining requests.
 struct FakeDevice::Usbfs {
   struct Item {  // to be sent: data, or an error
     Octets data;
@@ -395,7 +395,7 @@ void FakeDevice::Plug() {
     const std::lock_guard lock(usbfs_->mutex);
     usbfs_->nodes.push_back(std::move(node));
   }
-  // Answers before the "add" event: whoever hears it opens the device at once.
+  // Answers before the "add" event: a program that gets the event opens the device at once.
   GError* error = nullptr;
   if (umockdev_testbed_attach_ioctl(testbed.bed.get(), dev.c_str(),
                                     usbfs_->nodes.back()->handler.get(), &error) == FALSE ||

@@ -13,7 +13,7 @@ namespace styled::support {
 // udev's events, all in a temporary folder. One at a time.
 class FakeUsb {
  public:
-  // Starts this program anew with umockdev's library preloaded, where it is installed and is not
+  // Restarts this program with umockdev's library preloaded, where it is installed and is not
   // yet; returns otherwise. The first thing in main().
   static void Preload(char** argv);
   // Whether that worked.
@@ -49,7 +49,7 @@ class FakeDevice {
   void Plug();
   void Unplug();
 
-  // What the device has to send, as one transfer; waits in it until there is one under way.
+  // The data that the device sends, as one transfer; waits in it until there is one under way.
   void Send(std::span<const std::byte> bytes);
   // Behind what was sent so far: the endpoint stalls.
   void Stall();

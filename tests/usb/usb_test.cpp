@@ -239,7 +239,7 @@ TEST_F(UsbTest, UnpluggedInMidTransferTwentyTimesItComesBackTwentyTimes) {
   const std::size_t open_files = OpenFiles(daemon);
   constexpr int kReplugs = 20;
   for (int i = 0; i <= kReplugs; ++i) {
-    Rig rig("a", 100 + static_cast<std::uint64_t>(i));  // its firmware begins anew
+    Rig rig("a", 100 + static_cast<std::uint64_t>(i));  // its firmware restarts
     const std::size_t before = subscriber.Frames("styled/").size();
     // The first are refused, because the session before was live a moment ago.
     ASSERT_TRUE(subscriber.WaitFor(
@@ -400,9 +400,9 @@ TEST_F(UsbTest, ADeviceThatAnotherProgramHasIsTakenWhenItIsFree) {
   ASSERT_TRUE(dongle.WaitForTransfers(kInterrupt)) << daemon.Log();
   EXPECT_EQ(dongle.counts().refused_claims, 2);
   const std::string log = daemon.Log();
-  const auto said = log.find("another program has it");
+  const auto said = log.find("another program uses it");
   ASSERT_NE(said, std::string::npos) << log;
-  EXPECT_EQ(log.find("another program has it", said + 1), std::string::npos) << "said once";
+  EXPECT_EQ(log.find("another program uses it", said + 1), std::string::npos) << "said once";
 }
 
 TEST_F(UsbTest, ADaemonThatStopsGivesTheDeviceBackToTheKernel) {

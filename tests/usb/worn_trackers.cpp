@@ -19,7 +19,7 @@ constexpr std::array<const char*, WornTrackers::kTrackers> kParts{
 }  // namespace
 
 WornTrackers::WornTrackers(std::uint64_t first_address) : first_(first_address) {
-  // They play at once: the daemon is told when to calibrate by the test.
+  // They play at once: the test triggers the daemon's calibration.
   rig_ = std::move(rigs::MakeSlimeVr({{"sim"}, kRate_hz, 1, {"no-reset"}}).value());
 }
 

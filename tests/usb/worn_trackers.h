@@ -15,9 +15,9 @@
 
 namespace styled::support {
 
-// What a SlimeVR receiver reports of the thirteen trackers that a performer wears: the stand-in of
-// sim/rigs/slimevr.h, its sensors' packets put into HID records. Each tracker's address is `first`
-// and its number.
+// The reports of a SlimeVR receiver about the thirteen trackers that a performer wears: the
+// stand-in of sim/rigs/slimevr.h, its sensors' packets put into HID records. Each tracker's address
+// is `first` and its number.
 class WornTrackers {
  public:
   explicit WornTrackers(std::uint64_t first_address = 0x025356000100);

@@ -23,9 +23,9 @@ except ImportError:
         sys.path.append(_modules)
     try:
         import styled
-    except ImportError as error:  # of protobuf's absence, the client itself says what Debian wants
+    except ImportError as error:  # if protobuf is missing, the client itself names the Debian packages
         raise ImportError(f'Blender\'s Python needs pyzmq and protobuf: on Debian apt install '
-                          f'python3-zmq python3-protobuf, else "{sys.executable}" -m pip install pyzmq '
+                          f'python3-zmq python3-protobuf, otherwise "{sys.executable}" -m pip install pyzmq '
                           f'protobuf ({error})') from error
 
 from . import live, operators, panel, properties

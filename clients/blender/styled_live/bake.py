@@ -1,5 +1,5 @@
-"""Makes keyframes of what a performer did: a new action for an armature, a key per frame of the
-scene."""
+"""Makes keyframes from a performer's motion: a new action for an armature, with a key per frame of
+the scene."""
 
 import contextlib
 from typing import List
@@ -12,7 +12,7 @@ MAX_FRAMES = 100_000  # of a take: 14 minutes at 120 Hz
 
 
 def _times_s(frames) -> List[float]:
-    """When each frame was, from the first on. Where the rig's clock begins anew, time goes on by
+    """The time of each frame, relative to the first. If the rig's clock restarts, time continues by
     one step of 1/60 s."""
     times, before = [0.0], frames[0].source_time_ns
     for frame in frames[1:]:
@@ -29,8 +29,8 @@ def _keys(times_s: List[float], fps: float) -> int:
 
 @contextlib.contextmanager
 def undone_on_failure(thing):
-    """Where what is inside fails, the armature has the action and its bones the rotation modes of before,
-    and actions that were made meanwhile are gone."""
+    """If the code inside fails, restores the armature's action and its bones' rotation modes, and removes
+    actions that were made meanwhile."""
     animated = thing.animation_data is not None
     action = thing.animation_data.action if animated else None
     modes = {bone.name: bone.rotation_mode for bone in thing.pose.bones}
@@ -50,7 +50,7 @@ def undone_on_failure(thing):
 
 
 def bake(plan: Plan, frames, armature_object, fps: float, start: int) -> int:
-    """Gives the armature keys in its action, a new one where it has none. The keys begin at the
+    """Gives the armature keys in its action, or in a new one if it has none. The keys begin at the
     scene's frame `start`; at each frame from there on the armature has the pose of the performer's
     frame that is nearest in time. Bones that follow a joint get quaternions. `frames`: at least
     one, of the plan's body. Returns the scene's frame of the last key. Raises KeyError, before it

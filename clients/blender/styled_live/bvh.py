@@ -1,4 +1,4 @@
-"""BVH files of joints in the canonical axes, written and read. Needs mathutils alone."""
+"""BVH files of joints in the canonical axes, written and read. Needs only mathutils."""
 
 from math import degrees, radians
 from typing import List, NamedTuple

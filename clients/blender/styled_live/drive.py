@@ -1,5 +1,5 @@
-"""Applies frames to an armature. A Plan holds what is computed once; apply() does the work of each
-frame."""
+"""Applies frames to an armature. A Plan holds the data that is computed once; apply() does the work
+of each frame."""
 
 from typing import Dict, List, NamedTuple, Optional, Set
 
@@ -56,8 +56,8 @@ class Plan:
                         '(hips, leftUpperArm, mixamorig:LeftArm, upper_arm.L, ...)')
         return joints
 
-    # A skeleton that is not a humanoid is assumed to have the other one's axes, or glTF's for a
-    # body.
+    # A skeleton that is not a humanoid is assumed to have the other skeleton's axes, or glTF's for
+    # a body.
     def _axes(self):
         source, target = skeleton.axes_of(self._source), skeleton.axes_of(self._target)
         if source is None:
@@ -120,7 +120,7 @@ class Plan:
         return [found[name] for name in self.joints]
 
     def moving(self) -> Set[str]:
-        """The bones that have a place of their own, not only a rotation."""
+        """The bones that have a position of their own, not only a rotation."""
         return {step.bone for step in self._steps if step.moves}
 
     def apply(self, frame, armature_object) -> None:

@@ -29,7 +29,7 @@ _BACKS = (('lowerback', 'spine'), ('lowerback', 'upperback'), ('l5', 't12'), ('a
 # The canonical joints, without fingers, eyes and jaw.
 BODY = frozenset((*_CENTRE, 'spine', 'chest', *(side + joint for side in ('left', 'right')
                                                 for joint in _SIDED)))
-# Fingers: words for them, and names that no word makes. Three joints each, from the hand outwards.
+# Fingers: words for them, and additional names. Three joints each, from the hand outwards.
 _FINGERS = {
     'Thumb': (('thumb', 'handthumb'),
               (('firstmc', 'firstpp', 'firstdp'), ('finger0', 'finger01', 'finger02'))),
@@ -88,8 +88,8 @@ def _back(names: _Names) -> Tuple[Optional[str], Optional[str]]:
 
 
 def _finger(names: _Names, side: str, finger: str) -> Dict[str, Optional[str]]:
-    """The joints of one finger by the way of naming that finds most of them. Numbers and abbreviations
-    mean other things elsewhere: of those the first two joints must exist."""
+    """The joints of one finger by the naming convention that matches most of them. Numbers and
+    abbreviations are ambiguous, so for those the first two joints must exist."""
     words, others = _FINGERS[finger]
     named = _NAMED if finger != 'Thumb' else (('metacarpal', 'proximal', 'distal'),) + _NAMED
     ways = [(tuple(word + ending for ending in endings), endings in _NUMBERED)

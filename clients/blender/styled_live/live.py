@@ -14,7 +14,7 @@ from .drive import Plan, Unfit
 
 RATE_HZ = 60
 _CONTROL_TIMEOUT_S = 0.5  # Blender is blocked meanwhile
-_FIRST_RETRY_S, _LONGEST_RETRY_S = 2, 60  # of a control address at which nobody answers
+_FIRST_RETRY_S, _LONGEST_RETRY_S = 2, 60  # limit for a control address without a reply
 STREAMS = ('rig', 'canonical', 'source')
 
 # The source of an armature's motion: performer, and one of STREAMS or the name of an [[output]].
@@ -22,7 +22,7 @@ Choice = Tuple[str, str]
 
 
 class Latest(NamedTuple):
-    """What an armature displays."""
+    """The data that an armature displays."""
     epoch: int
     sequence: int
     styles: str
@@ -67,10 +67,10 @@ class _Link:
             f'{style.style} {style.weight:.2f}' for style in frame.styles))
 
     def give_up(self, why: str) -> None:
-        """Until another body comes, or the armature is driven anew."""
+        """Until another body comes, or the armature is driven again."""
         self.plan, self.unfit = None, why
 
-    # The newest frame. A take keeps those before it, too, however seldom Blender comes here.
+    # The newest frame. A take also keeps the frames before it, however seldom Blender calls this.
     def _read(self):
         newest = None
         if self.take is None:
@@ -98,7 +98,7 @@ class _Link:
 class Live:
     def __init__(self):
         self.problem = ''              # of the connection, for the panel
-        self.unseen = ''               # why the last change is not to be seen
+        self.unseen = ''               # why the last change is not visible
         self.styles: List[str] = []
         self.bodies: Dict[Choice, object] = {}
         self._curve = None
@@ -107,7 +107,7 @@ class Live:
         self._control: Optional[styled.Control] = None
         self._links: Dict[str, _Link] = {}
         self._strength: Optional[Tuple[str, float]] = None  # requested, not yet sent
-        self._retry_s, self._retry_at_s = _FIRST_RETRY_S, 0.0  # until the styles are here
+        self._retry_s, self._retry_at_s = _FIRST_RETRY_S, 0.0  # until the styles have arrived
 
     @property
     def active(self) -> bool:
@@ -119,7 +119,8 @@ class Live:
         return self.active and self._listener.connected() > 0
 
     def connect(self, publisher: str, control: str, curve=None) -> None:
-        """Raises ValueError for an invalid address or key; an absent daemon is a `problem`, no error."""
+        """Raises ValueError for an invalid address or key; a missing daemon is a `problem`, not an
+        error."""
         self.disconnect()
         self._control = styled.Control(control, timeout=_CONTROL_TIMEOUT_S, curve=curve)
         try:
@@ -216,7 +217,7 @@ class Live:
             link = self._links[name]
             try:
                 link.step(thing)
-            except Exception as error:  # one armature must not end the timer, and so all the others
+            except Exception as error:  # an error of one armature must not end the timer for all
                 traceback.print_exc()
                 link.give_up(f'{type(error).__name__}: {error}')
 

@@ -25,7 +25,7 @@ def _fail(operator, why) -> set:
     return {'CANCELLED'}
 
 
-# What nobody has thought of: the traceback goes to the console, where it can be reported from.
+# An unexpected error: the traceback goes to the console, so that it can be reported.
 def _surprised(operator, error: Exception) -> set:
     traceback.print_exc()
     return _fail(operator, f'{type(error).__name__}: {error}')
@@ -39,10 +39,10 @@ def _done(operator, done: bool) -> set:
     return {'FINISHED'}
 
 
-# Why an armature would get no frame: '' if it may.
+# Why an armature would get no frame; '' if it would.
 def _wrong_choice(performer: str, stream: str) -> str:
     if not styled.is_performer_id(performer):
-        return (f"performer '{performer}', expected SOURCE.NAME; here are: "
+        return (f"performer '{performer}', expected SOURCE.NAME; present:  "
                 f"{', '.join(live.performers()) or 'none yet'}")
     if performer in live.performers() and stream not in live.streams(performer):
         return f"no output '{stream}' of {performer}; there are {', '.join(live.streams(performer))}"
@@ -70,7 +70,7 @@ class STYLED_OT_connect(bpy.types.Operator):
 
 
 class STYLED_OT_disconnect(_Connected, bpy.types.Operator):
-    """End the connection; armatures keep the pose they are in"""
+    """End the connection; armatures keep their present pose"""
     bl_idname = 'styled.disconnect'
     bl_label = 'Disconnect'
 
@@ -89,7 +89,7 @@ class STYLED_OT_make_armature(_Connected, bpy.types.Operator):
         chosen = context.scene.styled_live
         body = live.body(chosen.performer, chosen.stream)
         if body is None:
-            return _fail(self, f"no body of '{chosen.performer}', output '{chosen.stream}', is here; "
+            return _fail(self, f"no body of '{chosen.performer}', output '{chosen.stream}', is present; "
                                f"performers: {', '.join(live.performers()) or 'none yet'}")
         if context.mode != 'OBJECT':
             bpy.ops.object.mode_set(mode='OBJECT')
@@ -126,14 +126,14 @@ class STYLED_OT_drive(_Connected, bpy.types.Operator):
                 return _fail(self, f'{context.object.name}: {error}')
             self.report({'INFO'}, f'{len(plan.joints)} bones of {context.object.name} follow')
         else:
-            self.report({'WARNING'}, f'nobody performs under the name {chosen.performer} yet: '
-                                     f'{context.object.name} waits until they come')
+            self.report({'WARNING'}, f'no performer of the name {chosen.performer} is present yet: '
+                                     f'{context.object.name} waits for it')
         _drive(context.object, chosen)
         return {'FINISHED'}
 
 
 class STYLED_OT_release(bpy.types.Operator):
-    """Let the active armature go; it keeps the pose it is in"""
+    """Release the active armature; it keeps its present pose"""
     bl_idname = 'styled.release'
     bl_label = 'Release'
     bl_options = {'REGISTER', 'UNDO'}
@@ -148,7 +148,7 @@ class STYLED_OT_release(bpy.types.Operator):
 
 
 class STYLED_OT_record(bpy.types.Operator):
-    """Keep every frame that the active armature's performer shows from now on, until Bake"""
+    """Record every frame of the active armature's performer from now on, until Bake"""
     bl_idname = 'styled.record'
     bl_label = 'Record'
 
@@ -163,8 +163,8 @@ class STYLED_OT_record(bpy.types.Operator):
 
 
 class STYLED_OT_bake(bpy.types.Operator):
-    """End the take, make it an action of the active armature from the current frame on, and let the
-    armature go"""
+    """End the take, make it an action of the active armature from the current frame on, and release
+    the armature"""
     bl_idname = 'styled.bake'
     bl_label = 'Stop and Bake'
     bl_options = {'REGISTER', 'UNDO'}
@@ -179,10 +179,10 @@ class STYLED_OT_bake(bpy.types.Operator):
         link = live.link(thing)
         frames, link.take = link.take, None
         if link.plan is None:
-            return _fail(self, f'{thing.name}: {link.unfit or "it does not follow the performer any more"}')
+            return _fail(self, f'{thing.name}: {link.unfit or "it no longer follows the performer"}')
         frames = [frame for frame in frames if frame.body_hash == link.plan.body.hash]
         if not frames:
-            return _fail(self, f'no frame of {thing.styled_live.performer} came while it was recorded')
+            return _fail(self, f'no frame of {thing.styled_live.performer} arrived during the recording')
         fps = scene.render.fps / scene.render.fps_base
         try:
             with undone_on_failure(thing):
@@ -199,7 +199,7 @@ class STYLED_OT_bake(bpy.types.Operator):
 
 
 class STYLED_OT_restyle(bpy.types.Operator):
-    """Make a copy of the active armature's action that moves in the style"""
+    """Make a copy of the active armature's action in the style"""
     bl_idname = 'styled.restyle'
     bl_label = 'Restyle Action'
     bl_options = {'REGISTER', 'UNDO'}
@@ -224,7 +224,7 @@ class STYLED_OT_restyle(bpy.types.Operator):
 
 
 class STYLED_OT_style(_Connected, bpy.types.Operator):
-    """Move in this style"""
+    """Set this style"""
     bl_idname = 'styled.style'
     bl_label = 'Style'
 
@@ -246,7 +246,7 @@ class STYLED_OT_clear(_Connected, bpy.types.Operator):
 
 
 class STYLED_OT_panic(_Connected, bpy.types.Operator):
-    """Everyone to the performance as captured, pinned or not"""
+    """Set all performers to bypass, pinned or not"""
     bl_idname = 'styled.panic'
     bl_label = 'Panic'
 

@@ -30,7 +30,7 @@ class STYLED_PT_live(bpy.types.Panel):
             return
         column.operator('styled.disconnect', icon='PAUSE')
         if live.problem or not live.reached:
-            column.label(text=live.problem or f'nobody publishes at {chosen.publisher}', icon='ERROR')
+            column.label(text=live.problem or f'no daemon publishes at {chosen.publisher}', icon='ERROR')
         column.prop(chosen, 'performer')
         column.prop(chosen, 'stream')
         row = column.row(align=True)

@@ -26,11 +26,11 @@ def _strength_changed(self, _context):
 
 class StyledLiveConnection(bpy.types.PropertyGroup):
     publisher: StringProperty(name='Publisher', default=styled.DEFAULT_PUBLISHER,
-                              description='Where the daemon publishes')
+                              description='Address at which the daemon publishes')
     control: StringProperty(name='Control', default=styled.DEFAULT_CONTROL,
-                            description='Where the daemon takes commands')
+                            description='Address of the daemon's control socket')
     performer: StringProperty(name='Performer', search=_performers,
-                              description='SOURCE.NAME; empty: everyone, for styles')
+                              description='SOURCE.NAME; empty: all performers, for styles')
     stream: StringProperty(
         name='Output', default='rig', search=_streams,
         description='rig: styled, on the performer\'s own skeleton. canonical: styled, on the '
@@ -38,14 +38,14 @@ class StyledLiveConnection(bpy.types.PropertyGroup):
                     'of an [[output]]')
     strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,
                             update=_strength_changed,
-                            description='0: as captured, 1: the style as it is')
+                            description='0: as captured, 1: full style')
 
     action_style: StringProperty(name='Style', default='old', search=_styles,
-                                 description='Of Restyle Action: as `stylize --list` names it')
+                                 description='For Restyle Action: a name from `stylize --list`')
     action_strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,
-                                   description='Of Restyle Action')
+                                   description='For Restyle Action')
     stylize: StringProperty(name='Program', default='stylize', subtype='FILE_PATH',
-                            description='Of Restyle Action: stylize, a path unless it is installed')
+                            description='For Restyle Action: stylize, with its path unless it is installed')
 
 
 class StyledLiveDriven(bpy.types.PropertyGroup):

@@ -1,5 +1,5 @@
-"""Restyles an armature's action with the program `stylize`: the poses go out as BVH and come back as
-keyframes of a new action, on the same bones."""
+"""Restyles an armature's action with the program `stylize`: the poses are exported as BVH and
+imported as keyframes of a new action, on the same bones."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ _TIMEOUT_S = 600
 
 
 class Failed(Exception):
-    """The text says what is wrong."""
+    """The text describes the error."""
 
 
 class _Humanoid:
@@ -28,7 +28,7 @@ class _Humanoid:
         rest = skeleton.rest_of_armature(armature)
         self._axes = skeleton.axes_of(rest)
         if self._axes is None or 'hips' not in rest.humanoid:
-            raise Unfit('no humanoid: hips, head or legs are missing, or have other names')
+            raise Unfit('not a humanoid: hips, head or legs are missing, or have other names')
         # Fingers, eyes and jaw keep their own keyframes.
         bones = {bone: joint for joint, bone in rest.humanoid.items() if joint in BODY}
         self.names = [bone.name for bone in armature.bones if bone.name in bones]  # parents first
@@ -44,10 +44,10 @@ class _Humanoid:
             offset = self._axes @ place + (Vector() if above else self._lift)
             self.joints.append(bvh.Joint(bones[name], parent, offset))
         if sum(joint.parent < 0 for joint in self.joints) != 1:
-            raise Unfit('no humanoid: the bones of the body are not all below its hips')
+            raise Unfit('not a humanoid: the bones of the body are not all below its hips')
 
     def pose(self, pose_bones):
-        """The root's place, and each joint's rotation in its parent's."""
+        """The root's position, and each joint's rotation relative to its parent."""
         world = []
         for name in self.names:
             turn = pose_bones[name].matrix.to_3x3().normalized() @ self._rest[name].transposed()
@@ -58,8 +58,8 @@ class _Humanoid:
 
 
 def restyle(scene, thing, style: str, strength: float, program: str) -> None:
-    """Gives `thing` a copy of its action in which the humanoid's bones move in the style; the first one
-    is kept. Raises Failed or Unfit."""
+    """Gives `thing` a copy of its action with the humanoid's bones in the style; the original is kept.
+    Raises Failed or Unfit."""
     action, now = thing.animation_data.action, scene.frame_current
     humanoid = _Humanoid(thing.data)
     start, end = _range(action)
@@ -90,7 +90,7 @@ def restyle(scene, thing, style: str, strength: float, program: str) -> None:
             _forget(copy, thing, plan)
             thing.animation_data.action = copy
             bake(plan, frames, thing, fps, start)
-        action.use_fake_user = True  # nothing uses it any more, and Blender would not save it
+        action.use_fake_user = True  # it is unused, and Blender would not save it
     finally:
         scene.frame_set(now)
 
@@ -140,5 +140,5 @@ def _messages(clip: bvh.Clip, style: str):
                                       source_time_ns=1 + round(index * clip.frame_s * 1e9),
                                       root_position=list(place), rotations=wire))
     if not frames:
-        raise Failed('no frame came back')
+        raise Failed('no frame was returned')
     return body, frames

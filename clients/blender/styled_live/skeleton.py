@@ -104,7 +104,7 @@ def metres_per_unit(body, rest: Rest, axes: Optional[Matrix]) -> float:
 
 
 def floor(rest: Rest, axes: Matrix) -> float:
-    """The height of the floor, in own units: 0, but for skeletons whose origin is at the hips the
+    """The height of the floor, in own units: 0, except for skeletons whose origin is at the hips the
     lowest joint."""
     height = hips_height(rest, axes)
     low = min(axes[1].dot(place) for place in rest.positions.values())

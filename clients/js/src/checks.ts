@@ -1,9 +1,10 @@
-// Looks at the arguments of StyledClient's calls. Each refusal names what was found and what was expected.
+// Checks the arguments of StyledClient's calls. Each refusal names the value that was found and what was
+// expected.
 import { ScalarType, type MessageInitShape } from '@bufbuild/protobuf';
 
 import { LookSchema } from './gen/proto/styled/v1/look_pb.js';
 
-/** What a change sets; the rest stays. */
+/** The fields that a change sets; the others stay. */
 export type SetInit = MessageInitShape<typeof LookSchema>;
 
 export function shown(value: unknown): string {
@@ -26,7 +27,7 @@ export function checkName(name: unknown, what: string): void {
   if (typeof name !== 'string' || name === '') throw new TypeError(`found ${shown(name)} as ${what}, expected a name`);
 }
 
-// What TypeScript checks, for programs in JavaScript: protobuf would leave out what it does not know.
+// The checks that TypeScript makes, for programs in JavaScript: protobuf would drop unknown fields.
 export function checkChange(change: SetInit): void {
   if (typeof change !== 'object' || change === null) {
     throw new TypeError(`found ${shown(change)} as change, expected { strength: 0.5 } or the like`);

@@ -24,6 +24,7 @@ import {
   type StatusReply,
   type StyleFile,
 } from './gen/proto/styled/v1/control_pb.js';
+import type { FrameFate } from './gen/proto/styled/v1/fate_pb.js';
 import { FrameSchema, type Frame } from './gen/proto/styled/v1/frame_pb.js';
 import { StatsSchema, type Stats } from './gen/proto/styled/v1/stats_pb.js';
 import { checkBody, checkFrame } from './kinematics.js';
@@ -40,7 +41,7 @@ export interface DaemonState {
   reason: string;
 }
 
-/** One frame, with its skeleton and what was missed before it. */
+/** One frame, with its skeleton and the number of missed frames before it. */
 export interface Update {
   performer: string;
   stream: Stream;
@@ -65,8 +66,8 @@ export interface ClientEvents {
   /** A message that the gateway did not understand or refused. Also, once for each subscribed performer
    * for which the daemon sent no body; that performer may still appear. `unknown` is its name. */
   complaint(text: string, unknown?: string): void;
-  /** A change was applied, and is not to be seen: nobody performs under the name that it is for (it waits
-   * until they come), or the strength is 0. */
+  /** A change was applied, but is not visible: no performer of that name is present (the change waits for
+  it), or the strength is 0. */
   unseen(text: string, performer: string): void;
 }
 
@@ -76,7 +77,7 @@ export interface ClientOptions {
   token?: string;
   /** Time limit of one control request; default 3000. */
   timeout_ms?: number;
-  /** The same for what the daemon works on: examples, previews, style files; default 12000. */
+  /** The same for requests that take long: examples, previews, style files; default 12000. */
   long_ms?: number;
 }
 
@@ -116,30 +117,30 @@ export interface CalibrateOptions {
   sensors?: keyof typeof SENSORS;
   /** Discard the calibration instead. */
   clear?: boolean;
-  /** Instead of a pose, how they stand and walk when no style is asked for: they show it for `seconds`, 1 to 60
-   * (default 5), after the reply. */
+  /** Instead of a pose, calibrate the performer's neutral: they stand and walk in their own way for `seconds`,
+  1 to 60 (default 5), after the reply. */
   neutral?: boolean;
   seconds?: number;
 }
 
 /** An example of a style: one of clip, learnS, code and vary. */
 export interface LikeOptions {
-  /** Of the style: 1 to 32 of A-Z a-z 0-9 _ -. An earlier example of this name is replaced. With
-   * `measure` it may be left out. */
+  /** Name of the style: 1 to 32 of A-Z a-z 0-9 _ -. An earlier example of this name is replaced.
+  With `measure` it may be left out. */
   name?: string;
   /** The bytes of a BVH, glTF binary or VRMA file. */
   clip?: Uint8Array;
   /** Its name, for messages and lists. */
   file?: string;
-  /** The dialect of its skeleton; by default found out. */
+  /** The dialect of its skeleton; by default detected. */
   rig?: string;
-  /** What the performer does from now on, for so many seconds, 1 to 60. */
+  /** The performer's motion from now on, for this many seconds, 1 to 60. */
   learnS?: number;
-  /** The numbers that an earlier reply gave. */
+  /** The numbers from an earlier reply. */
   code?: number[];
   /** A variation of one of the weights' styles. */
   vary?: { style: string; seed: bigint; amount?: number };
-  /** The code of a neutral example of the same performer: only what differs from it counts. */
+  /** The code of a neutral example of the same performer: only the difference from it is used. */
   neutralCode?: number[];
   /** Makes no style: the reply has code, nearest and distance. */
   measure?: boolean;
@@ -328,10 +329,8 @@ export class StyledClient {
     const value = { pose: wordOf(POSES, pose, 'pose'), sensors: wordOf(SENSORS, sensors, 'sensors'), clear, neutral, seconds };
     return (await this.ask({ performer, command: { case: 'calibrate', value } })).calibrate!;
   }
-  /**
-   * Makes a style of an example, for all clients; the performer (SOURCE.NAME, "*", or "": nobody yet)
-   * moves in it. The reply says how far the example lies from the styles that the weights know.
-   */
+  /** Makes a style from an example, for all clients, and sets the performer to it (SOURCE.NAME, "*",
+  or "": no performer). The reply has the example's distance from the styles that the weights know. */
   async like(performer: string, example: LikeOptions): Promise<LikeReply> {
     if (performer !== '') checkPerformers(performer);
     const command = { case: 'like', value: example } as const;
@@ -339,24 +338,30 @@ export class StyledClient {
     this.tellUnseen(performer, command, reply.applied);
     return reply.like!;
   }
-  /** The file of a style that was made of an example. */
+  /** The file of a style that was made from an example. */
   async exportStyle(name: string): Promise<StyleFile> {
     return (await this.ask({ command: { case: 'exportStyle', value: { name } } })).styleFile!;
   }
-  /**
-   * Adds the style of such a file, for all clients. `name`: by default the file's own; `replace`: in place of
-   * one of this name that was made.
-   */
+  /** Adds the style of such a file, for all clients. `name`: by default the file's own; `replace`: replaces a
+  made style of this name. */
   async importStyle(file: Uint8Array, options: { name?: string; replace?: boolean } = {}): Promise<LikeReply> {
     return (await this.ask({ command: { case: 'importStyle', value: { file, ...options } } })).like!;
   }
-  /** Renames a style that was made. Performers that show it go on; the result names them. */
+  /** Renames a made style. Performers that show it continue; the result names them. */
   async renameStyle(name: string, to: string): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'renameStyle', value: { name, to } } })).applied;
   }
-  /** Removes a style that was made. Performers that show it, named in the result, fade to bypass. */
+  /** Removes a made style. Performers that show it, named in the result, fade to bypass. */
   async removeStyle(name: string): Promise<Applied[]> {
     return (await this.ask({ command: { case: 'removeStyle', value: { name } } })).applied;
+  }
+  /**
+   * What became of a performer's frames, and why: that with a number (Frame.sequence), or so many of
+   * the newest, up to 1,024. Each has a sentence in `text`.
+   */
+  async explain(performer: string, which: { sequence?: bigint; last?: number } = {}): Promise<FrameFate[]> {
+    const value = which.sequence === undefined ? { last: which.last ?? 1 } : { sequence: which.sequence };
+    return (await this.ask({ performer, command: { case: 'explain', value } })).explain!.frames;
   }
   /** A small moving figure of any style: two strides that loop. */
   async preview(style: string): Promise<PreviewReply> {
@@ -379,17 +384,17 @@ export class StyledClient {
     return applied;
   }
 
-  // Of what was asked for by name: with "*" nobody in particular was meant, and a strength of 0 that the
-  // change itself sets is wanted.
+  // Only for named performers: "*" means none in particular, and a strength of 0 in the change itself is
+  // intended.
   private tellUnseen(performer: string, command: RequestInit['command'], applied: Applied[]): void {
     const styles = command?.case === 'preset' || command?.case === 'cue' || command?.case === 'like' ||
       (command?.case === 'set' && command.value.strength === undefined);
     for (const one of applied) {
       if (one.absent && one.performer === performer) {
-        this.tell('unseen', `nobody performs under the name ${performer}: the change waits until they come`, performer);
+        this.tell('unseen', `no performer of the name ${performer} is present: the change waits for it`, performer);
       }
       if (one.noStrength && styles) {
-        this.tell('unseen', `the strength of ${one.performer} is 0: no style is to be seen`, one.performer);
+        this.tell('unseen', `the strength of ${one.performer} is 0: no style is visible`, one.performer);
       }
     }
   }
@@ -403,7 +408,7 @@ export class StyledClient {
         reject(new NoAnswerError('not connected to the gateway', false));
         return;
       }
-      // The reply to a take comes after it.
+      // The reply to a take is sent after it.
       const command = request.command;
       const taken_s = command?.case === 'like' ? (command.value.learnS ?? 0) : 0;
       const timeout_ms = (LONG.has(command?.case) ? this.long_ms : this.timeout_ms) + 1000 * taken_s;
@@ -429,8 +434,8 @@ export class StyledClient {
     }
   }
 
-  // An event that says what is wrong: where nobody listens to it, it is a warning in the console, once
-  // until another one comes.
+  // An event that reports a problem: without a listener it becomes a warning in the console, once
+  // until a different one.
   private tell<K extends 'complaint' | 'unseen'>(event: K, ...args: Parameters<ClientEvents[K]>): void {
     if (this.listeners.get(event)?.size) this.emit(event, ...args);
     else this.warn(args[0]);
@@ -504,7 +509,7 @@ export class StyledClient {
     if (!this.daemonState_.up || this.bodies.has(performer) || this.awaited.has(performer)) return;
     this.awaited.set(performer, setTimeout(() => {
       this.tell('complaint',
-        `found nobody called ${performer}, expected SOURCE.NAME of who performs; frames come when there is one`, performer);
+        `found no performer ${performer}, expected SOURCE.NAME of a present one; frames arrive once it is present`, performer);
     }, UNKNOWN_MS));
   }
   private unawait(performer: string): void {

@@ -1,5 +1,5 @@
-// A frame's facial expressions, by whatever names the rig gave them, as the expressions that an avatar
-// has. Names: VRM 1.0's presets, VRM 0's (Joy, Blink_L, A), ARKit's 52 (eyeBlinkLeft), and the
+// Converts a frame's facial expressions, by the names that the rig uses, to the expressions of an
+// avatar. Names: VRM 1.0's presets, VRM 0's (Joy, Blink_L, A), ARKit's 52 (eyeBlinkLeft), and the
 // avatar's own; upper and lower case are the same. Pure; pinned by test/expressions.test.mjs.
 
 /** A value of 0 to 1 by name. */
@@ -27,8 +27,9 @@ export function presetOf(name: string): string | undefined {
   return PRESETS.find((preset) => preset.toLowerCase() === meant);
 }
 
-// What an avatar without ARKit's expressions shows of them. A preset, the ARKit names whose mean it is,
-// and the value up to which it stays 0. Trackers exaggerate moods at rest, hence those values.
+// The presets that an avatar without ARKit's expressions shows instead. A preset, the ARKit names whose
+// mean it is, and the value up to which it stays 0. Trackers exaggerate moods at rest, hence those
+// values.
 const OF_ARKIT: [string, string[], number][] = [
   ['blinkleft', ['eyeblinkleft'], 0],
   ['blinkright', ['eyeblinkright'], 0],
@@ -50,17 +51,18 @@ const LOOKS = ['lookup', 'lookdown', 'lookleft', 'lookright'];
 const BLINKS = ['blink', 'blinkleft', 'blinkright'];
 const MOODS = ['happy', 'sad', 'angry', 'surprised'];
 
-// Presets, and the start of ARKit's names for the parts of the same face: one of both moves it.
+// Presets, and the prefixes of ARKit's names for the same parts of the face: only one of both moves
+// a part.
 const PARTS: [string[], RegExp][] = [
   [BLINKS, /^eyeblink/],
   [VOWELS, /^(jaw|mouth|tongue)/],
   [LOOKS, /^eyelook/],
 ];
 
-const clamped = (value: number) => (value > 0 ? Math.min(1, value) : 0); // 0 for what is no number
+const clamped = (value: number) => (value > 0 ? Math.min(1, value) : 0); // 0 if it is not a number
 
-// The values of ARKit's names, as presets. Of several moods only the strongest is shown: they
-// contradict each other.
+// The values of ARKit's names as presets. Of several moods only the strongest is shown, because
+// they contradict each other.
 function presetsOf(face: Map<string, number>): Map<string, number> {
   const made = new Map<string, number>();
   for (const [preset, parts, from] of OF_ARKIT) {
@@ -77,21 +79,20 @@ function presetsOf(face: Map<string, number>): Map<string, number> {
   return made;
 }
 
-// Both eyes' blink, or one for each: never both, their sum would close an eye twice.
+// Both eyes' blink, or one for each, never both: their sum would close an eye twice.
 function oneBlink(values: Map<string, number>, has: (name: string) => boolean): void {
   const both = values.get('blink') ?? 0;
   const left = Math.max(both, values.get('blinkleft') ?? 0), right = Math.max(both, values.get('blinkright') ?? 0);
   for (const name of BLINKS) values.delete(name);
   if (left === right && has('blink')) values.set('blink', left);
   else if (has('blinkleft') && has('blinkright')) values.set('blinkleft', left).set('blinkright', right);
-  else if (has('blink')) values.set('blink', Math.min(left, right)); // it cannot wink
+  else if (has('blink')) values.set('blink', Math.min(left, right)); // the avatar cannot wink
 }
 
-/**
- * The values of the avatar's expressions; those that are not named are 0. `own`: the names of the
- * avatar's expressions, as it writes them. `eyes`: its eyes are turned by bones in this frame, so
- * expressions must not turn them, too. Names that nothing of the avatar means are left out.
- */
+/** The values of the avatar's expressions; those without a value in the frame are 0. `own`: the
+names of the avatar's expressions, as it writes them. `eyes`: its eyes are turned by bones in this
+frame, so expressions must not turn them, too. Names that match no expression of the avatar are left
+out. */
 export function expressionsOf(frame: Iterable<Named>, own: Iterable<string>, eyes = false): Map<string, number> {
   const written = new Map([...own].map((name) => [name.toLowerCase(), name]));
   const has = (name: string) => written.has(name);

@@ -11,6 +11,7 @@ export { frameTopic, parseTopic } from './topics.js';
 export type { Stream } from './topics.js';
 export * from './gen/proto/styled/v1/body_pb.js';
 export * from './gen/proto/styled/v1/control_pb.js';
+export * from './gen/proto/styled/v1/fate_pb.js';
 export * from './gen/proto/styled/v1/frame_pb.js';
 export * from './gen/proto/styled/v1/look_pb.js';
 export * from './gen/proto/styled/v1/stats_pb.js';

@@ -33,7 +33,7 @@ export function checkFrame(body: Body, frame: Frame): string {
   }
   if (!frame.rootPosition.every(Number.isFinite)) return 'its root is not finite';
   for (let joint = 0; joint < joints; ++joint) {
-    if (!isRotation(frame.rotations, 4 * joint)) return `rotation ${joint} is no rotation`;
+    if (!isRotation(frame.rotations, 4 * joint)) return `rotation ${joint} is not a rotation`;
   }
   for (const { name, position, rotation } of frame.props) {
     const whole = position.length === 3 && rotation.length === 4;

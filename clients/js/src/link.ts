@@ -65,7 +65,7 @@ export class Link {
   }
 
   private open(): void {
-    // A refusal remains the state until another outcome is known.
+    // A refusal remains the state until another result is known.
     if (!this.refused) this.handlers.state({ kind: 'connecting', reason: this.reason });
     let socket: WebSocket;
     try {

@@ -7,19 +7,18 @@ import { expressionsOf } from './expressions.js';
 import type { Body } from './gen/proto/styled/v1/body_pb.js';
 import type { Frame } from './gen/proto/styled/v1/frame_pb.js';
 
-const LOOK_DEG = 30; // of an eye, where an expression says that it looks aside, up or down in full
+const LOOK_DEG = 30; // of an eye, for an expression that looks fully aside, up or down
 const LOOKS = ['lookUp', 'lookDown', 'lookLeft', 'lookRight'];
 
-/** What of a frame poses an avatar. */
+/** The part of a frame that poses an avatar. */
 export type Pose = Pick<Frame, 'rootPosition' | 'rotations' | 'expressions'>;
 
-/**
- * Poses one VRM, of version 0 or 1. VRM's normalized humanoid has the canonical humanoid's joints, axes
- * and rest pose, so rotations are copied unchanged, by joint name: fingers, eyes and jaw move where both
- * have them; what a joint does that the avatar lacks, the next one below does. The hips' height is scaled
- * to the avatar's; over the floor it follows the performer, in metres. Expressions go by name, too (VRM
- * 0's, 1.0's, ARKit's), as far as the avatar has them. Call `vrm.update(dt)` afterwards, as without this.
- */
+/** Poses one VRM, of version 0 or 1. VRM's normalized humanoid has the canonical humanoid's joints, axes
+and rest pose, so rotations are copied unchanged, by joint name. Fingers, eyes and jaw move if both have
+them; the rotation of a joint that the avatar lacks is added to the next one below. The hips' height is
+scaled to the avatar's; over the floor it follows the performer, in metres. Expressions are matched by
+name, too (VRM 0's, 1.0's, ARKit's). Call `vrm.update(dt)` afterwards, as
+without this. */
 export class VrmPoser {
   private readonly turn: number; // VRM 0 looks along -Z
   private readonly own: string[];
@@ -29,10 +28,8 @@ export class VrmPoser {
   private eyes = false; // the body turns the avatar's eyes
   private moving = new Set<string>();
 
-  /**
-   * `vrm`: of version 0, VRMUtils.rotateVRM0(vrm) is called by you, if it is to look along +Z. `floor`: what
-   * is moved over the floor, by its position's x and z; by default the avatar's scene.
-   */
+  /** `vrm`: for version 0, call VRMUtils.rotateVRM0(vrm) yourself if it should look along +Z. `floor`: the
+  object that moves over the floor, by its position's x and z; by default the avatar's scene. */
   constructor(
     private readonly vrm: VRM,
     private readonly floor: Object3D = vrm.scene,
@@ -68,14 +65,14 @@ export class VrmPoser {
     this.setFace(frame);
   }
 
-  /** The avatar's expressions that the last pose set, by the avatar's names for them; none is 0. */
+  /** The avatar's expressions that the last pose set, by the avatar's names; none is 0. */
   get expressions(): Map<string, number> {
     return new Map([...this.moving].map((name) => [name, this.vrm.expressionManager?.getValue(name) ?? 0]));
   }
 
   private take(body: Body): void {
     const { humanoid } = this.vrm;
-    humanoid.resetNormalizedPose(); // the other one may have had fingers
+    humanoid.resetNormalizedPose(); // the other body may have had fingers
     this.body = body;
     this.bones = body.names.map((name) => humanoid.getNormalizedBoneNode(name as VRMHumanBoneName));
     this.rotations = body.names.map(() => new Quaternion());

@@ -1,5 +1,5 @@
 // A fake daemon behind the fake styleweb, for tests of a page: performers who walk, looks that can be set, cues.
-// Poses are not styled: what is tested with it is what the page does, never the daemon.
+// Poses are not styled: the tests check the page, never the daemon.
 import { create, toBinary } from '@bufbuild/protobuf';
 import { BodySchema, Code, FrameSchema, LookSchema, Output, StatsSchema } from 'styled-client';
 
@@ -10,7 +10,8 @@ const JOINTS = [
   ...HUMANOID,
   ['leftEye', 4, 0.03, 0.06, 0.08], ['rightEye', 4, -0.03, 0.06, 0.08],
 ];
-const RATE_HZ = 20; // what a busy machine can draw, since nothing is dropped on the way as behind the real gateway
+const RATE_HZ = 20; // a rate that a busy machine can draw, since nothing is dropped in between as
+                    // behind the real gateway
 const about = (axis, angle) => [0, 1, 2].map((k) => (k === axis ? Math.sin(angle / 2) : 0)).concat(Math.cos(angle / 2));
 
 /** The body of a performer; `output`: rig or canonical. */
@@ -68,7 +69,7 @@ export class Daemon {
     return this.gateway.stop();
   }
 
-  /** Somebody else sets a look. */
+  /** Another user sets a look. */
   set(performer, fields) {
     const look = this.looks.get(performer);
     const { clear, mix, ...others } = fields;

@@ -217,7 +217,7 @@ test('the reply to a take is waited for as long as the take is', () =>
     assert.ok(performance.now() - begun > 1100);
   }, { long_ms: 200 }));
 
-// What the console is warned of while `play` runs.
+// The warnings on the console while `play` runs.
 async function warnings(play) {
   const said = [], { warn } = console;
   console.warn = (text) => said.push(text);
@@ -234,8 +234,8 @@ test('a change that nobody will see is told: to who listens, else in the console
     gateway.answer = ({ performer }) => ({ code: Code.OK, like: { name: 'mine' }, applied:
       (performer === '*' ? ['rig.old', 'rig.a'] : [performer]).map((name) =>
         ({ performer: name, firstSequence: 5n, absent: name !== 'rig.a', noStrength: name === 'rig.a' })) });
-    const absent = 'nobody performs under the name rig.ann: the change waits until they come';
-    const weak = 'the strength of rig.a is 0: no style is to be seen';
+    const absent = 'no performer of the name rig.ann is present: the change waits for it';
+    const weak = 'the strength of rig.a is 0: no style is visible';
     await warnings(async (said) => {
       const [applied] = await client.setStyle('rig.ann', 'old');
       assert.deepEqual([applied.absent, applied.noStrength], [true, false]);
@@ -249,8 +249,8 @@ test('a change that nobody will see is told: to who listens, else in the console
       await client.like('rig.ann', { name: 'mine', learnS: 1 });
       await client.preset('rig.a', 'calm');
       assert.deepEqual(heard, [[absent, 'rig.ann'], [absent, 'rig.ann'], [weak, 'rig.a']]);
-      await client.setStyle('rig.a', 'old', 0); // as was wanted
-      await client.set('*', { strength: 0 }); // nobody in particular was meant
+      await client.setStyle('rig.a', 'old', 0); // as requested
+      await client.set('*', { strength: 0 }); // no selected performer
       assert.deepEqual([heard.length, said.length], [3, 2]);
     });
   }));
@@ -261,7 +261,7 @@ test('without listeners the console says who is not there, and what does not ans
       gateway.onJoin = () => setTimeout(() => gateway.notice({ daemon: { up: true, reason: '' } }), 0);
       client.subscribe('rig.ann');
       await until(() => said.length, 'the warning');
-      assert.match(said[0], /found nobody called rig\.ann/);
+      assert.match(said[0], /found no performer rig\.ann/);
     });
     const nobody = new StyledClient({ url: 'http://127.0.0.1:9' });
     await until(() => said.length > 1, 'the warning');

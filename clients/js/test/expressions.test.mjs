@@ -1,4 +1,4 @@
-// What an avatar shows of the expressions that a rig sends.
+// The expressions that a rig sends, as an avatar shows them.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { expressionsOf, presetOf } from 'styled-client';

@@ -22,7 +22,7 @@ before(() => {
   folder = mkdtempSync(path.join(tmpdir(), 'styled-pack-'));
   writeFileSync(path.join(folder, 'package.json'), '{"private": true, "type": "module"}');
   const [{ filename }] = JSON.parse(npm(folder, 'pack', library, '--json'));
-  // What it depends on comes from here, since a test downloads nothing.
+  // Its dependencies come from here, since a test downloads nothing.
   npm(folder, 'install', '--install-links', filename, path.join(modules, 'ws'), path.join(modules, '@bufbuild/protobuf'));
 });
 after(() => folder && rmSync(folder, { recursive: true, force: true }));

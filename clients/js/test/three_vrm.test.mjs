@@ -1,5 +1,5 @@
-// A VRM of boxes is posed by canonical frames, in Node; and a VRM 0, which looks the other way. What the
-// page shows by the same class is in clients/web/page/test/avatar.test.mjs.
+// A VRM of boxes is posed by canonical frames, in Node; and a VRM 0, which looks the other way. The page's
+// use of the same class is tested in clients/web/page/test/avatar.test.mjs.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import path from 'node:path';

@@ -10,7 +10,7 @@ parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument('publisher', nargs='?', default=styled.DEFAULT_PUBLISHER)
 parser.add_argument('control', nargs='?', default=styled.DEFAULT_CONTROL)
 parser.add_argument('style', nargs='?', default='old')
-parser.add_argument('frames', nargs='?', type=int, default=0, help='end after so many; 0: never')
+parser.add_argument('frames', nargs='?', type=int, default=0, help='number of frames to show; 0: no limit')
 a = parser.parse_args()
 try:
     daemon, subscriber = styled.Control(a.control), styled.Subscriber(a.publisher, streams='canonical')

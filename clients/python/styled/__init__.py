@@ -1,4 +1,4 @@
-"""Styled performers in Python: subscribe to a styled daemon's frames, and steer it.
+"""Styled performers in Python: subscribe to a styled daemon's frames, and control it.
 
     import styled
     with styled.Subscriber(streams='canonical') as subscriber, styled.Control() as control:

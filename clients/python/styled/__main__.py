@@ -15,12 +15,12 @@ EXIT_REFUSED, EXIT_USAGE, EXIT_NO_DAEMON = 1, 2, 3
 
 def parse():
     parser = argparse.ArgumentParser(
-        prog='python3 -m styled', description='Looks at a styled daemon, and steers it.',
+        prog='python3 -m styled', description='Shows and controls a styled daemon.',
         epilog='Exit codes: 0 done, 1 the daemon refused, 2 usage, 3 no daemon answers (tail: '
-               'nothing came within --seconds).')
+               'nothing arrived within --seconds).')
     commands = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
 
-    tail = commands.add_parser('tail', help='frames as they come, one line a second or a frame')
+    tail = commands.add_parser('tail', help='print frames as they arrive, one line per second or per frame')
     tail.add_argument('--publisher', action='append', metavar='ENDPOINT',
                       help='may be given many times (default: STYLED_PUBLISHER or '
                            f'{styled.DEFAULT_PUBLISHER})')
@@ -48,8 +48,8 @@ def parse():
     command('list', 'styles and presets', run_list, None)
     command('status', 'the daemon and its performers', run_status, None)
     change = command('set', 'change how a performer is styled', run_set, 'required')
-    change.add_argument('--style', help='this one alone')
-    change.add_argument('--mix', action='append', metavar='STYLE=WEIGHT', help='several of them')
+    change.add_argument('--style', help='a single style')
+    change.add_argument('--mix', action='append', metavar='STYLE=WEIGHT', help='several styles')
     for name in LOOK_FIELDS:
         if name == 'vary_each':
             continue  # a word of --vary
@@ -57,29 +57,29 @@ def parse():
                             help=LOOK_HELP.get(name), **look_kind(name))
     command('clear', 'fade to bypass', run_clear, 'optional')
     for name, text, run in (
-            ('like', 'make a style of an example clip; the performer moves in it at once', run_like),
-            ('learn', 'make a style of what the performer does from now on; they move in it at once',
+            ('like', 'make a style from an example clip, and set the performer to it', run_like),
+            ('learn', 'make a style from the performer's motion from now on, and set the performer to it',
              run_learn)):
         make = command(name, text, run, 'required')
         make.add_argument('--name', required=name == 'learn',
-                          help='of the style, for all clients' +
+                          help='name of the style, for all clients' +
                                ("; default: the file's name" if name == 'like' else ''))
         make.add_argument('--transition', type=in_unit('ms'), metavar='MS', help='fade')
         if name == 'like':
             make.add_argument('--clip', required=True, metavar='FILE',
                               help='the example: BVH, glTF binary or VRMA, 0.3 to 60 s')
             make.add_argument('--neutral', metavar='FILE',
-                              help='a clip of the same performer moving as usual; only what differs '
-                                   'from it counts')
+                              help='a clip of the same performer moving as usual; only the difference '
+                                   'from it is used')
             make.add_argument('--rig', default='auto', help="the example's rig dialect; default: auto")
             make.add_argument('--unworn', action='store_true',
-                              help='only make the style; nobody moves in it until set')
+                              help='only make the style, without setting a performer to it')
         else:
             make.add_argument('--seconds', type=take_seconds, default=8, metavar='S',
                               help='how long the performer shows it, 1 to 60; default: 8')
             make.add_argument('--neutral', type=take_seconds, metavar='S',
-                              help='so many seconds of the performer moving as usual first; only what '
-                                   'differs from them counts')
+                              help='seconds of the performer moving as usual first; only the '
+                                   'difference from them is used')
             make.add_argument('--countdown', type=int, default=3, metavar='S',
                               help='seconds before each; default: 3')
     cue = command('cue', 'fire the cues of that name', run_cue, None)
@@ -161,10 +161,10 @@ def run_status(a):
 
 def say(applied, what):
     for performer, sequence in sorted(applied.items()):
-        since = 'when they come' if performer in applied.absent else f'from frame {sequence} on'
+        since = 'from their first frame' if performer in applied.absent else f'from frame {sequence} on'
         print(f'{performer}: {what}, {since}')
     if not applied:
-        print('nobody is here yet; it holds for those who come')
+        print('no performer is present yet; it applies to later ones')
     return 0
 
 
@@ -193,11 +193,11 @@ def look_options(field):
 
 LOOK_HELP = {'strength': '0 to 1.5', 'transition_ms': 'fade of this and later changes',
              'absolute': "the network's pose as it is", 'parts': 'e.g. head,left-arm; the others as captured',
-             'input_style': 'what the performer moves in already',
+             'input_style': "the performer's own style, which is removed",
              'root': "where on the floor: as captured, or at the style's speed",
-             'vary': 'the variation of the style: 1 to 99; 0: the style itself; each: everyone another',
-             'vary_amount': 'of the variation: 0 (the style itself) to 1.5',
-             'drift_s': 'the variation wanders: seconds to the next; 0: it stays'}
+             'vary': 'the variation of the style: 1 to 99; 0: the style itself; each: a different one per performer',
+             'vary_amount': 'amount of the variation: 0 (the style itself) to 1.5',
+             'drift_s': 'the variation changes slowly: seconds to the next one; 0: constant'}
 
 
 def in_unit(unit):

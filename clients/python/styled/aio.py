@@ -130,7 +130,7 @@ class Subscriber:
 
 
 if TYPE_CHECKING:
-    # A type checker cannot be told "the same, awaited", and would take each call for its result.
+    # A type checker cannot express "the same, awaited", and would use the wrong result type.
     Commands = Any
 
 
@@ -167,7 +167,7 @@ class Control(Commands):
     async def call(self, request: control_pb2.Request) -> control_pb2.Reply:
         """Sends any request; its id is overwritten."""
         async with self._turn:
-            # The reply to a take comes after it.
+            # The reply to a take is sent after it.
             end = time.monotonic() + self._timeout + request.like.learn_s
             message = [b'', self._conversation.encode(request)]
             try:

@@ -1,5 +1,5 @@
-"""Looks at the arguments of Subscriber and Control. Each refusal names the argument, what was found and
-what was expected: ValueError, or TypeError for another type."""
+"""Checks the arguments of Subscriber and Control. Each refusal names the argument, the value that was
+found and what was expected: ValueError, or TypeError for another type."""
 
 import math
 import re
@@ -62,7 +62,8 @@ def seconds_above_0(name: str, found: Any) -> float:
 
 
 def seconds_or_none(name: str, found: Any) -> Optional[float]:
-    """None: without end, and so is infinity. Below 0 is 0: the end has passed."""
+    """None means without end, and so does infinity. A value below 0 counts as 0: the deadline has
+    passed."""
     if found is None:
         return None
     value = _seconds(name, found, 'expected seconds, or None: without end')
@@ -78,5 +79,5 @@ def _seconds(name: str, found: Any, expected: str) -> float:
 
 
 def milliseconds(seconds: float) -> int:
-    """For a poll of ZeroMQ, which takes no more than a number of its processor."""
+    """For a poll of ZeroMQ, which accepts only an int of the machine's size."""
     return math.ceil(min(_LONGEST_MS, max(0.0, 1000 * seconds)))

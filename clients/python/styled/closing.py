@@ -1,4 +1,4 @@
-"""Closes sockets in the order in which ZeroMQ can end, also when nobody calls close()."""
+"""Closes sockets in the order in which ZeroMQ can end, even without a call of close()."""
 
 import weakref
 from typing import List

@@ -23,7 +23,7 @@ PARTS = {name[len('BODY_PART_'):].lower().replace('_', '-'): number
 
 ROOTS = {name[len('ROOT_'):].lower(): number for name, number in look_pb2.Root.items()}
 
-# What `set` takes by name, beside style and mix; `clear` is a call of its own.
+# The named arguments of `set` besides style and mix; `clear` is a separate call.
 LOOK_FIELDS = [field.name for field in look_pb2.Look.DESCRIPTOR.fields
                if field.name not in ('mix', 'clear')]
 
@@ -135,7 +135,7 @@ def _fill_clip(like: control_pb2.Like, clip: str, rig: str) -> None:
 
 
 def _take_seconds(seconds: float) -> float:
-    # The reply is waited for as long; the daemon refuses 0 and what is beyond its range.
+    # The client waits for the reply as long; the daemon refuses 0 and values beyond its range.
     if isinstance(seconds, str) or not hasattr(seconds, '__float__'):
         raise TypeError(f'seconds is {seconds!r}, expected 1 to 60')
     if not math.isfinite(seconds) or seconds < 0:
@@ -174,11 +174,11 @@ class Commands:
             mix: Optional[Mapping[str, float]] = None, **fields: Any) -> Applied:
         """Changes the given settings and keeps the rest. `style` sets a mix of that style only.
         `fields` are those of styled.v1.look_pb2.Look: strength, transition_ms, absolute, preset,
-        `parts` (of the body that are styled, e.g. 'head', ['head', 'left-arm'] or 'all'), `input_style`
-        (the style that the performer already moves in), `root` ('follow', or 'stride': the way
-        over the floor at the style's speed), `vary` (the variation of the style, 1 to 99; 0: the
-        style itself), vary_each (every performer another), vary_amount, drift_s (the variation
-        wanders, so many seconds to the next; 0: it stays)."""
+        `parts` (the styled parts of the body, e.g. 'head', ['head', 'left-arm'] or 'all'),
+        `input_style` (the performer's own style, which is removed), `root` ('follow', or 'stride': the
+        path over the floor at the style's speed), `vary` (the variation of the style, 1 to 99; 0: the
+        style itself), vary_each (a different one per performer), vary_amount, drift_s (the variation
+        changes slowly: seconds from one to the next; 0: constant)."""
         return self._ask(_set_request(performer, style, mix, fields), _applied)
 
     def clear(self, performer: str = EVERYONE) -> Applied:
@@ -213,19 +213,19 @@ class Commands:
                   seconds: float = 5) -> control_pb2.CalibrateReply:
         """Calibrates: the performer stands in this pose (t or n) at this moment. With `neutral`
         they stand and then walk in their own way for `seconds` (1 to 60) after the reply, and
-        status().stats.performers tells how well that is known."""
+        status().stats.performers shows the progress."""
         return self._ask(_calibrate_request(performer, pose, sensors, clear, neutral, seconds),
                          lambda reply: reply.calibrate)
 
     def like(self, performer: Optional[str], clip: str, name: Optional[str] = None,
              rig: str = 'auto', transition_ms: Optional[float] = None,
              neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
-        """Makes a style of an example, the file `clip` (BVH, glTF binary, VRMA), for all clients;
-        the performer (None: nobody yet) moves in it. `name`: by default the file's. The result has
-        `nearest` and `distance`: how far the example lies from the styles that the weights know;
-        above 1 it is unlike all of them. `neutral_code`: the code that `measure` or
-        `measure_take` gave for a neutral example of the same performer; only what differs from it
-        counts then."""
+        """Makes a style from an example, the file `clip` (BVH, glTF binary, VRMA), for all clients,
+        and sets the performer (None: no performer) to it. `name`: by default the file's. The result
+        has `nearest` and `distance`: the example's distance from the styles that the weights know;
+        above 1 it is unlike all of them. `neutral_code`: the code that `measure` or `measure_take`
+        returned for a neutral example of the same performer; only the difference from it is used
+        then."""
         stem = os.path.splitext(os.path.basename(clip))[0]
         plain = re.sub('[^A-Za-z0-9_-]', '-', stem).lstrip('-') or 'style'
         request = _like_request(performer, name or plain[:32], transition_ms, neutral_code)
@@ -233,7 +233,7 @@ class Commands:
         return self._ask(request, _like_reply)
 
     def measure(self, clip: str, rig: str = 'auto') -> control_pb2.LikeReply:
-        """What `like` would find in a clip, its `code` among it; makes no style."""
+        """The result that `like` would have for a clip, including its `code`; makes no style."""
         request = _like_request(None, '')
         _fill_clip(request.like, clip, rig)
         request.like.measure = True
@@ -242,20 +242,20 @@ class Commands:
     def learn(self, performer: str, seconds: float, name: str,
               transition_ms: Optional[float] = None,
               neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
-        """As `like`, of what the performer does from now on, for so many seconds (1 to 60)."""
+        """As `like`, from the performer's motion from now on, for this many seconds (1 to 60)."""
         request = _like_request(performer, name, transition_ms, neutral_code)
         request.like.learn_s = _take_seconds(seconds)
         return self._ask(request, _like_reply)
 
     def measure_take(self, performer: str, seconds: float) -> control_pb2.LikeReply:
-        """As `measure`, of what the performer does from now on."""
+        """As `measure`, from the performer's motion from now on."""
         request = _like_request(performer, '')
         request.like.learn_s = _take_seconds(seconds)
         request.like.measure = True
         return self._ask(request, _like_reply)
 
     def export_style(self, name: str) -> bytes:
-        """The file of a style that was made of an example."""
+        """The file of a style that was made from an example."""
         request = control_pb2.Request()
         request.export_style.name = name
         return self._ask(request, lambda reply: reply.style_file.file)
@@ -263,7 +263,7 @@ class Commands:
     def import_style(self, file: str, name: str = '',
                      replace: bool = False) -> control_pb2.LikeReply:
         """Adds the style of such a file, for all clients. `name`: by default the file's own.
-        `replace`: in place of one of this name that was made; performers that show it fade over."""
+        `replace`: replaces a made style of this name; performers that show it fade over."""
         request = control_pb2.Request()
         request.import_style.file = _read_file('import_style', file)
         request.import_style.name = name
@@ -271,15 +271,14 @@ class Commands:
         return self._ask(request, _like_reply)
 
     def rename_style(self, name: str, to: str) -> Applied:
-        """Renames a style that was made. Performers that show it go on; the result names them."""
+        """Renames a made style. Performers that show it continue; the result names them."""
         request = control_pb2.Request()
         request.rename_style.name = name
         request.rename_style.to = to
         return self._ask(request, _applied)
 
     def remove_style(self, name: str) -> Applied:
-        """Removes a style that was made. Performers that show it, named in the result, fade to
-        bypass."""
+        """Removes a made style. Performers that show it, named in the result, fade to bypass."""
         request = control_pb2.Request()
         request.remove_style.name = name
         return self._ask(request, _applied)
@@ -291,7 +290,7 @@ class Commands:
         return self._ask(request, lambda reply: reply.checkpoint.SerializeToString())
 
     def restore_checkpoint(self, checkpoint: bytes, performer: str = '') -> Applied:
-        """Lets a performer go on from such a state, here or on another daemon of the same weights.
+        """Continues a performer from such a state, here or on another daemon of the same weights.
         `performer`: by default the one that the checkpoint names."""
         request = _change(performer) if performer else control_pb2.Request()
         try:
@@ -299,6 +298,16 @@ class Commands:
         except DecodeError as error:
             raise ValueError('restore_checkpoint: expected bytes of take_checkpoint') from error
         return self._ask(request, _applied)
+
+    def explain(self, performer: str, sequence: int = 0, last: int = 1) -> control_pb2.ExplainReply:
+        """What became of a performer's frames, and why: that with a number (Frame.sequence), or so
+        many of the newest, up to 1,024. Each has a sentence in `text`."""
+        request = control_pb2.Request(performer=performer)
+        if sequence:
+            _put(request.explain, 'sequence', sequence, 'explain')
+        else:
+            _put(request.explain, 'last', last, 'explain')
+        return self._ask(request, lambda reply: reply.explain)
 
     def preview(self, style: str) -> control_pb2.PreviewReply:
         """A small moving figure of any style: two strides that loop."""
@@ -336,7 +345,7 @@ class Conversation:
         try:
             reply = control_pb2.Reply.FromString(payload)
         except DecodeError:
-            raise Garbled(f'what answers at {endpoint} is not a styled daemon') from None
+            raise Garbled(f'the program at {endpoint} is not a styled daemon') from None
         # A daemon that could not parse the request replies with id 0.
         unread = reply.id == 0 and reply.code != control_pb2.CODE_OK
         if reply.id != self._id and not unread:

@@ -23,7 +23,7 @@ def open_socket(context: zmq.Context, endpoint: str, curve: Optional[Curve]) -> 
     socket.maxmsgsize = _MAX_REPLY_BYTES
     socket.reconnect_ivl = 50
     socket.handshake_ivl = 1000
-    socket.ipv6 = '[' in endpoint  # else such an address is never reached
+    socket.ipv6 = '[' in endpoint  # otherwise such an address is never reached
     try:
         if curve is not None:
             curve.apply(socket)
@@ -45,11 +45,10 @@ def no_answer(endpoint: str, timeout: float) -> NoAnswer:
 class Control(Commands):
     """The control socket of one daemon. Each call blocks until the reply or for `timeout` seconds, and
     raises styled.Refused, NoAnswer or Garbled. `performer` is SOURCE.NAME or '*'. A change returns
-    {performer: first sequence at which it is in force}, a styled.Applied. Of one that is not to be seen,
-    as nobody performs under that name, a call warns (styled.AbsentPerformer, NoStrength).
-    proto/styled/v1/control.proto defines each field and what is refused. One thread at a time; a
-    context manager.
-    """
+    {performer: first sequence at which it is in force}, a styled.Applied. If the change is not visible,
+    because no performer of that name is present or the strength is 0, the call warns
+    (styled.AbsentPerformer, NoStrength). proto/styled/v1/control.proto defines each field and what is
+    refused. One thread at a time; a context manager. """
 
     def __init__(self, endpoint: str = DEFAULT_CONTROL, *, timeout: float = 2.0,
                  curve: Optional[Curve] = None):

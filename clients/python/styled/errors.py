@@ -1,5 +1,5 @@
 """The errors that a call may raise, and its warnings. Invalid arguments raise ValueError, or TypeError
-where they are of another type, with what was expected."""
+if they are of another type, with what was expected."""
 
 
 class Error(Exception):
@@ -24,12 +24,11 @@ class Refused(Error):
 
 
 class Unseen(UserWarning):
-    """The base class of the warnings below: what was asked for is accepted, and there is nothing to be
-    seen of it."""
+    """The base class of the warnings below: the request was accepted, but has no visible effect."""
 
 
 class AbsentPerformer(Unseen):
-    """Nobody performs under the name that a change or a subscription is for: it waits until they come."""
+    """No performer of the name in a change or a subscription is present: it waits for that performer."""
 
 
 class AbsentOutput(Unseen):

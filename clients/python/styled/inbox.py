@@ -74,7 +74,7 @@ def _check_all_wanted(streams: Union[Wanted, Iterable[Wanted], None],
         raise TypeError(f'streams is {streams!r}, expected one or several of {_STREAMS}')
     wanted = tuple(_check_wanted(stream) for stream in streams)
     if not wanted and not statistics:
-        raise ValueError(f'streams has none, so no frame would come; expected one or several of {_STREAMS}, '
+        raise ValueError(f'streams has none, so no frame would arrive; expected one or several of {_STREAMS}, '
                          'or None: bodies only')
     return wanted
 
@@ -119,9 +119,10 @@ class Update:
     statistics: Optional[stats_pb2.Stats] = None
 
     def world(self) -> kinematics.World:
-        """Where the frame's joints are: world['head'].position, or the whole as world.positions."""
+        """The joints in the frame's world: world['head'].position, or the whole as
+        world.positions."""
         if self.frame is None or self.body is None:
-            raise ValueError('world() of an update without a frame, or whose body is not here yet')
+            raise ValueError('world() of an update without a frame, or whose body has not arrived yet')
         return kinematics.world_transforms(self.body, self.frame)
 
 
@@ -176,7 +177,7 @@ class Inbox:
         self._streams = _check_all_wanted(streams, statistics)
         if bundled and performer:
             raise ValueError(f"bundled with performer '{performer}', expected '' (all)")
-        self.several = False  # daemons: of two that stand in for each other the leader's statistics count
+        self.several = False  # daemons: for a pair with a standby the leader's statistics count
         self.counters = Counters()
         self.new_topics: List[str] = []  # the owner must subscribe to these and clear the list
         self.lag_s = 0.0                 # of the last frame, compared with its usual transit
@@ -198,8 +199,8 @@ class Inbox:
         return sorted(self._bodies)
 
     def accept(self, parts: List[bytes]) -> Optional[Update]:
-        """The update for a message, or None if the message is dropped. Of a bundle the first; next()
-        gives the others."""
+        """The update for a message, or None if the message is dropped. For a bundle the first;
+        next() returns the others."""
         if len(parts) == 2:
             try:
                 return self._accept(parts[0].decode('ascii'), parts[1])

@@ -28,8 +28,8 @@ class Transform(NamedTuple):
 class World(Sequence[Transform]):
     """The joints of a skeleton in its world: a sequence of Transform in the order of `names`, and by
     name: world['head'], `'jaw' in world`, world.get('jaw'). Of several joints of one name the first
-    counts. How many joints a body has, and beyond the first 21 of the canonical humanoid which, is the
-    body's affair: ask by name.
+    counts. The number of joints, and their names beyond the 21 of the canonical humanoid, depend on
+    the body: look them up by name.
 
     names      of the joints
     positions  J x 3, in the body's unit; an array where numpy is installed, else a list
@@ -112,7 +112,7 @@ def rotate(q: Quaternion, v: Vector) -> Vector:
 
 
 def check_body(body: body_pb2.Body) -> str:
-    """What is wrong with a body; "" if it is valid."""
+    """The error of a body; "" if it is valid."""
     joints = len(body.names)
     if not 1 <= joints <= MAX_JOINTS:
         return f'{joints} joints, expected 1 to {MAX_JOINTS}'
@@ -127,7 +127,7 @@ def check_body(body: body_pb2.Body) -> str:
 
 
 def check_frame(frame: frame_pb2.Frame, body: body_pb2.Body) -> str:
-    """What is wrong with a frame on a body that passed check_body; "" if it is valid."""
+    """The error of a frame on a body that passed check_body; "" if it is valid."""
     if frame.body_hash != body.hash or frame.output != body.output:
         return 'the frame is of another body'
     if len(frame.root_position) != 3 or len(frame.rotations) != 4 * len(body.names):

@@ -17,7 +17,7 @@ DEFAULT_PUBLISHER = 'tcp://127.0.0.1:7001'
 MAX_MESSAGE_BYTES = 1 << 20  # a body of 1024 long names fits
 MAX_DRAIN = 10_000           # limit of messages per receive_latest
 STALE_S = 0.05               # later than usual by this: newer frames are still queued
-RENEW_S = 2.0                # where no connection is live for so long, one connects anew
+RENEW_S = 2.0                # if no connection is live for this long, one connects again
 LONGEST_CATCH_UP_S = 0.5     # a connection that was lost meanwhile is restored by then
 _monitors = itertools.count()
 
@@ -32,7 +32,7 @@ def open_socket(socket: zmq.Socket, inbox: Inbox, endpoints: Union[str, Iterable
     socket.linger = 0
     socket.rcvhwm = checks.messages('queue_messages', queue_messages)
     socket.maxmsgsize = MAX_MESSAGE_BYTES
-    socket.ipv6 = any('[' in endpoint for endpoint in endpoints)  # else such an address is never reached
+    socket.ipv6 = any('[' in endpoint for endpoint in endpoints)  # otherwise such an address is never reached
     socket.reconnect_ivl = 100
     socket.reconnect_ivl_max = 1000
     socket.handshake_ivl = 1000
@@ -60,9 +60,9 @@ def end_of(timeout: Optional[float]) -> Optional[float]:
 
 
 class Links:
-    """The connections of one SUB socket to its endpoints: counts those that are live, and makes anew
-    those that are dead. libzmq connects again by itself to an address where nobody listens, but gives
-    up one that breaks the protocol, although a daemon may come there later."""
+    """The connections of one SUB socket to its endpoints: counts the live ones, and reconnects the
+    dead ones. libzmq reconnects by itself to an address where no program listens, but gives up a peer
+    that breaks the protocol, although a daemon may start there later."""
 
     def __init__(self, context: zmq.Context, socket: zmq.Socket):
         address = f'inproc://styled-monitor-{next(_monitors)}'
@@ -90,9 +90,9 @@ class Links:
         return len(self._live)
 
     def renew_dead(self) -> None:
-        """Call while nothing arrives; it looks twice a second. Of several endpoints those that are live stay
-        as they are; of names, which libzmq's events do not tell, none is made anew while another is
-        live."""
+        """Call while nothing arrives; it checks twice a second. With several endpoints the live ones stay as
+        they are. Endpoints with host names, which libzmq's events do not identify, are only reconnected
+        while none is live."""
         now_s = time.monotonic()
         if now_s - self._looked_s < LOOK_S:
             return
@@ -108,7 +108,7 @@ class Links:
             try:
                 self._subscriber.disconnect(endpoint)
             except zmq.ZMQError:
-                pass  # libzmq has forgotten it already
+                pass  # libzmq has already dropped it
             self._subscriber.connect(endpoint)
 
 
@@ -118,7 +118,7 @@ def _has_host_name(endpoint: str) -> bool:
 
 
 def slice_s(end: Optional[float]) -> float:
-    """How long to wait until the next look for what does not come."""
+    """The time until the next check for missing frames."""
     return LOOK_S if end is None else min(LOOK_S, max(0.0, end - time.monotonic()))
 
 
@@ -137,15 +137,14 @@ class Subscriber:
     streams         one or several of 'rig', 'canonical', 'source' (styled.RIG, CANONICAL, SOURCE),
                     or the name of an [[output]] of the daemon; None: bodies and statistics only
     statistics      also subscribe to the daemon's counters, once per second
-    bundled         all performers' frames of a cycle of the daemon in one message: for whoever shows
-                    tens of performers and more; without `performer`
+    bundled         all performers' frames of a cycle of the daemon in one message: for clients that
+                    show tens of performers or more; without `performer`
     queue_messages  queue of this process; when it is full, the newest are dropped
     curve           styled.Curve, for daemons that require keys
 
-    Raises ValueError for an invalid argument, TypeError for one of another type. It is no error if no
-    daemon listens there yet. A performer or an [[output]] that a daemon has not got is waited for; that
-    nothing comes is told once, in a warning (styled.AbsentPerformer, AbsentOutput).
-    """
+    Raises ValueError for an invalid argument, TypeError for one of another type. A missing daemon is
+    not an error. A performer or an [[output]] that a daemon does not have is waited for; a warning
+    (styled.AbsentPerformer, AbsentOutput) reports once that nothing arrives. """
 
     def __init__(self, endpoints: Union[str, Iterable[str]] = DEFAULT_PUBLISHER, *,
                  performer: str = '',

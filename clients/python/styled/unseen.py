@@ -1,4 +1,5 @@
-"""Warns of changes that the daemon has applied and nobody will see, on the line that asked for them."""
+"""Warns of changes that the daemon has applied and that are not visible, on the line that requested
+them."""
 
 import sys
 import warnings
@@ -11,11 +12,10 @@ _STYLING = ('set', 'preset', 'like', 'import_style', 'cue')
 
 
 class Applied(Dict[str, int]):
-    """What a change returns: the first sequence under it by performer.
+    """The result of a change: the first sequence under it by performer.
 
-    absent       those of them under whose name nobody performs: the change waits until they come
-    no_strength  those that have styles set, but the strength 0: none is to be seen
-    """
+    absent       those of them of whose name no performer is present: the change waits for it
+    no_strength  those that have styles set, but the strength 0: none is visible """
 
     def __init__(self, entries: Iterable[control_pb2.Applied] = ()):
         entries = list(entries)
@@ -32,8 +32,8 @@ class Line(NamedTuple):
 
 
 def line_of_caller() -> Line:
-    """The line outside of this package that called into it. Of a coroutine it has to be asked for before
-    that is awaited: a task's stack ends at the event loop."""
+    """The line outside of this package that called into it. For a coroutine it must be determined before
+    the await, because a task's stack ends at the event loop."""
     frame: Any = sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get('__name__', '').split('.')[0] == 'styled':
         frame = frame.f_back
@@ -41,16 +41,16 @@ def line_of_caller() -> Line:
 
 
 def warn(request: control_pb2.Request, reply: control_pb2.Reply, line: Line) -> None:
-    """Warns of what was asked for by name: with '*' nobody in particular was meant, a checkpoint is
-    restored before its performer comes, and a strength of 0 that the request itself sets is wanted."""
+    """Warns only about named performers: '*' means none in particular, a checkpoint is restored before
+    its performer arrives, and a strength of 0 in the request itself is intended."""
     command: Optional[str] = request.WhichOneof('command')
     applied = Applied(reply.applied)
     if request.performer in applied.absent and command != 'restore_checkpoint':
-        warn_at(AbsentPerformer(f"nobody performs under the name '{request.performer}': the change "
-                                'waits until they come'), line)
+        warn_at(AbsentPerformer(f"no performer of the name '{request.performer}' is present: the change "
+                                'waits for it'), line)
     if applied.no_strength and command in _STYLING and not request.set.HasField('strength'):
-        warn_at(NoStrength(f'the strength of {", ".join(sorted(applied.no_strength))} is 0: no style is to '
-                           'be seen'), line)
+        warn_at(NoStrength(f'the strength of {", ".join(sorted(applied.no_strength))} is 0: no style is '
+                           'visible'), line)
 
 
 def warn_at(warning: Unseen, line: Line) -> None:

@@ -10,7 +10,7 @@ static class Heads {
   static int Main(string[] arguments) {
     if (Array.Exists(arguments, a => a == "--help" || a == "-h")) {
       Console.WriteLine(Usage + "\n  PUBLISHER  default: " + Subscriber.DefaultEndpoint + "\n  CONTROL    default: " +
-                        Control.DefaultEndpoint + "\n  STYLE      default: old\n  FRAMES     ends after so many; default: never");
+                        Control.DefaultEndpoint + "\n  STYLE      default: old\n  FRAMES     number of frames to show; default: no limit");
       return 0;
     }
     try {
@@ -28,7 +28,7 @@ static class Heads {
       return 0;
     } catch (Exception error) when (error is ArgumentException || error is DllNotFoundException) {
       bool library = error is DllNotFoundException;
-      Console.Error.WriteLine("heads: " + (library ? "libzmq is not here (apt install libzmq5): " : "") + error.Message);
+      Console.Error.WriteLine("heads: " + (library ? "libzmq is missing (apt install libzmq5): " : "") + error.Message);
       if (!library) Console.Error.WriteLine(Usage);
       return 2;
     }

@@ -11,11 +11,11 @@ public sealed class RefusedException : Exception {
   public RefusedException(int code, string reason) : base(reason == "" ? "code " + code : reason) { Code = code; }
 }
 
-/// <summary>Steers a daemon. Each call blocks until the reply, or for `timeoutMs`; it throws
+/// <summary>Controls a daemon. Each call blocks until the reply, or for `timeoutMs`; it throws
 /// RefusedException, TimeoutException (no daemon answers; the change may or may not have been applied),
-/// FormatException (what answers is none) or ArgumentException. `performer` is SOURCE.NAME or "*". A
-/// change returns the first sequence under it by performer; Absent and NoStrength say of whom it is not to
-/// be seen. One thread at a time, in Unity not the main one; Dispose it.</summary>
+/// FormatException (the answer is not a daemon's) or ArgumentException. `performer` is SOURCE.NAME or "*".
+/// A change returns the first sequence under it by performer; Absent and NoStrength name the performers
+/// for which it is not visible. One thread at a time, in Unity not the main one; Dispose it.</summary>
 public sealed class Control : IDisposable {
   public const string DefaultEndpoint = "tcp://127.0.0.1:7002";
   const long MaxReplyBytes = 16 << 20;
@@ -38,11 +38,12 @@ public sealed class Control : IDisposable {
 
   public void Dispose() { socket_.Dispose(); }
 
-  /// <summary>Of the last call that the daemon answered: under these names nobody performs, and the change
-  /// waits until they come. A mistyped name is here.</summary>
+  /// <summary>Of the last call that the daemon answered: no performers of these names are present, and the
+  /// change waits for them. A mistyped name appears here.</summary>
   public ICollection<string> Absent { get; private set; }
 
-  /// <summary>Of the same: these have a style set, but the strength 0, so that none is to be seen.</summary>
+  /// <summary>Of the same call: these have a style set, but the strength 0, so that none is
+  /// visible.</summary>
   public ICollection<string> NoStrength { get; private set; }
 
   /// <summary>The names of the daemon's styles.</summary>
@@ -63,7 +64,7 @@ public sealed class Control : IDisposable {
     return names;
   }
 
-  /// <summary>`style` alone, of `strength` 0 to 1.5; null: keeps the strength, or the fade's
+  /// <summary>`style` alone, with `strength` 0 to 1.5; null keeps the strength, or the fade's
   /// milliseconds.</summary>
   public Dictionary<string, ulong> SetStyle(string performer, string style, float? strength = null,
                                             float? transitionMs = null) {
@@ -79,7 +80,7 @@ public sealed class Control : IDisposable {
     return Ask(Request(performer).Message(4, new WireWriter().Number(5, 1).Bytes)).Applied;
   }
 
-  /// <summary>Everyone to bypass, pinned or not.</summary>
+  /// <summary>Sets all performers to bypass, pinned or not.</summary>
   public Dictionary<string, ulong> Panic() { return Ask(Request("*").Message(6, new byte[0])).Applied; }
 
   sealed class Reply {

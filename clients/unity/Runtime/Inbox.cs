@@ -30,8 +30,8 @@ public sealed class Counters {
   public ulong Malformed;       // dropped: not as in WIRE.md, or a frame that does not fit its body
 }
 
-/// <summary>Turns messages into updates. Its owner subscribes to Topics, and to NewTopics as they come.
-/// One thread at a time.</summary>
+/// <summary>Turns messages into updates. Its owner subscribes to Topics, and to NewTopics as they
+/// appear. One thread at a time.</summary>
 public sealed class Inbox {
   const int MaxPerformers = 4096;
   const int MaxBodies = 64;  // per performer
@@ -60,7 +60,7 @@ public sealed class Inbox {
       throw new ArgumentException("performer '" + performer_ + "' is not SOURCE.NAME ([A-Za-z0-9_-]{1,32} each), or \"\" for all");
     }
     if (streams_.Length == 0) {
-      throw new ArgumentException("streams has none, so no frame would come, expected rig, canonical, source, or " +
+      throw new ArgumentException("streams has none, so no frame would arrive, expected rig, canonical, source, or " +
                                   "the name of an [[output]]");
     }
     foreach (string stream in streams_) {
@@ -113,14 +113,14 @@ public sealed class Inbox {
       Output output = words[2] == "rig" ? Output.Rig : words[2] == "canonical" ? Output.Canonical : Output.Avatar;
       return AcceptFrame(topic, words[1], words[2], output, Frame.Parse(payload));
     }
-    throw new FormatException("a topic that is none");
+    throw new FormatException("an invalid topic");
   }
 
   Update AcceptBody(string performer, Body body) {
     List<Body> known;
     bool seen = bodies_.TryGetValue(performer, out known);
     if (body.Performer != performer || Kinematics.Check(body) != "" || (!seen && bodies_.Count >= MaxPerformers)) {
-      throw new FormatException("a body that is none");
+      throw new FormatException("an invalid body");
     }
     if (!seen) {
       bodies_[performer] = known = new List<Body>();
@@ -149,7 +149,7 @@ public sealed class Inbox {
     List<Body> known;
     Body body = !bodies_.TryGetValue(performer, out known) ? null : known.Find(
         b => b.Hash == frame.BodyHash && b.Output == output && b.OutputName == name);
-    if (body != null && Kinematics.Check(frame, body) != "") throw new FormatException("a frame that is none");
+    if (body != null && Kinematics.Check(frame, body) != "") throw new FormatException("an invalid frame");
     var update = new Update { Performer = performer, Stream = stream, Frame = frame, Body = body,
                               NewEpoch = started && !same };
     if (same) update.Missed = frame.Sequence - state.Sequence - 1;

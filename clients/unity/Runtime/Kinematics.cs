@@ -12,7 +12,7 @@ public sealed class WorldPose {
 public static class Kinematics {
   const int MaxJoints = 1024;  // a larger body is considered a damaged message
 
-  /// <summary>What is wrong with a body; "" if it is valid.</summary>
+  /// <summary>The error of a body; "" if it is valid.</summary>
   public static string Check(Body body) {
     int joints = body.Names.Length;
     if (joints < 1 || joints > MaxJoints) return joints + " joints, expected 1 to " + MaxJoints;
@@ -29,7 +29,7 @@ public static class Kinematics {
     return AllFinite(body.Offsets) ? "" : "an offset is not finite";
   }
 
-  /// <summary>What is wrong with a frame on a body that passed Check; "" if it is valid.</summary>
+  /// <summary>The error of a frame on a body that passed Check; "" if it is valid.</summary>
   public static string Check(Frame frame, Body body) {
     if (frame.BodyHash != body.Hash || frame.Output != body.Output) return "the frame is of another body";
     if (frame.RootPosition.Length != 3 || frame.Rotations.Length != 4 * body.Names.Length) {
@@ -54,7 +54,7 @@ public static class Kinematics {
     return square >= 1e-12 && square < double.PositiveInfinity;
   }
 
-  /// <summary>Forward kinematics of a frame that passed Check with this body. `into` is reused where its
+  /// <summary>Forward kinematics of a frame that passed Check with this body. `into` is reused if its
   /// arrays fit.</summary>
   public static WorldPose World(Body body, Frame frame, WorldPose into = null) {
     int joints = body.Names.Length;

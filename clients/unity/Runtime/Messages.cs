@@ -5,7 +5,7 @@ using System.Collections.Generic;
 
 namespace Styled {
 
-/// <summary>Whose body a frame is on.</summary>
+/// <summary>The kind of a frame's body.</summary>
 public enum Output { Unspecified = 0, Rig = 1, Canonical = 2, Avatar = 3 }
 
 /// <summary>Bits of Frame.Flags.</summary>
@@ -51,8 +51,8 @@ public sealed class Body {
   public ulong Hash;
   public Output Output;
 
-  /// <summary>The joint of this name (the first one), or -1. The canonical humanoid has 21 joints at
-  /// least, named as VRM 1.0's bones, and fingers, eyes and jaw where the performer has them.</summary>
+  /// <summary>The joint of this name (the first one), or -1. The canonical humanoid has at least 21
+  /// joints, named like VRM 1.0's bones, and fingers, eyes and jaw if the performer has them.</summary>
   public int IndexOf(string name) { return Array.IndexOf(Names, name); }
 
   /// <summary>Reads the bytes of a Body. Throws FormatException.</summary>
@@ -178,7 +178,7 @@ public sealed class Frame {
     return new Prop { Name = name, Position = position.ToArray(), Rotation = rotation.ToArray() };
   }
 
-  // Of several, as protobuf has it, the later ones' fields count.
+  // Of several, the later ones' fields count, as in protobuf.
   static Timecode ParseTimecode(WireReader reader, Timecode earlier) {
     Timecode code = earlier ?? new Timecode();
     while (reader.Next()) {

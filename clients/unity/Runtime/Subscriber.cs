@@ -5,9 +5,9 @@ using System.Text;
 
 namespace Styled {
 
-/// <summary>Subscribes to a daemon. Connects in the background, and again whenever the daemon comes back,
-/// while it is being read. Frames come as published, in order per stream; gaps are counted. One thread at
-/// a time; Dispose it.</summary>
+/// <summary>Subscribes to a daemon. Connects in the background, and reconnects whenever the daemon
+/// returns, while it is being read. Frames arrive as published, in order per stream; gaps are counted.
+/// One thread at a time; Dispose it.</summary>
 public sealed class Subscriber : IDisposable {
   public const string DefaultEndpoint = "tcp://127.0.0.1:7001";
   const long MaxMessageBytes = 1 << 20;  // a body of 1024 long names fits
@@ -17,9 +17,9 @@ public sealed class Subscriber : IDisposable {
   readonly ZmqSocket socket_;
   readonly List<byte[]> parts_ = new List<byte[]>();
 
-  /// <summary>`performer`: SOURCE.NAME, or "" for all, also those that appear later. `streams`: "rig",
-  /// "canonical", "source" or the name of an [[output]]. Throws ArgumentException; it is no error if no
-  /// daemon listens there yet.</summary>
+  /// <summary>`performer`: SOURCE.NAME, or "" for all, including later ones. `streams`: "rig",
+  /// "canonical", "source" or the name of an [[output]]. Throws ArgumentException; a missing daemon is
+  /// not an error.</summary>
   public Subscriber(string endpoint = DefaultEndpoint, string performer = "", string[] streams = null,
                     int queueMessages = 1000, Curve curve = null) {
     inbox_ = new Inbox(performer, streams ?? new[] { "canonical" });
@@ -47,8 +47,8 @@ public sealed class Subscriber : IDisposable {
   /// <summary>Ids of the performers whose bodies were seen.</summary>
   public ICollection<string> Performers { get { return inbox_.Performers; } }
 
-  /// <summary>Every frame, for recorders: the next update, or null if none comes within `timeoutMs` (0: only
-  /// what has already come).</summary>
+  /// <summary>Every frame, for recorders: the next update, or null if none arrives within `timeoutMs` (0:
+  /// only updates that have already arrived).</summary>
   public Update Receive(int timeoutMs) {
     Stopwatch clock = Stopwatch.StartNew();
     for (;;) {
@@ -61,8 +61,9 @@ public sealed class Subscriber : IDisposable {
     }
   }
 
-  /// <summary>The newest frame of each performer and stream, for renderers: reads what has come, waits for
-  /// nothing. `into` is cleared first, and gets frames whose body is here, in no order.</summary>
+  /// <summary>The newest frame of each performer and stream, for renderers: reads the waiting messages and
+  /// does not block. `into` is cleared first, and gets frames whose body has arrived, in no
+  /// order.</summary>
   public void Latest(List<Update> into) {
     into.Clear();
     for (int i = 0; i < MaxDrain; ++i) {

@@ -6,9 +6,9 @@ using System.Text;
 
 namespace Styled {
 
-/// <summary>Reads the fields of one message in their order: Next, then the call for the field's type, or
-/// Skip. Every call throws FormatException where the bytes are not what it reads; none reads beyond the
-/// message. Little-endian machines.</summary>
+/// <summary>Reads the fields of one message in order: Next, then the call for the field's type, or Skip.
+/// Every call throws FormatException if the bytes have another type; none reads beyond the message.
+/// Little-endian machines.</summary>
 sealed class WireReader {
   const int VarintType = 0, Fixed64Type = 1, BytesType = 2, Fixed32Type = 5;
   static readonly Encoding Utf8 = new UTF8Encoding(false, true);
@@ -39,10 +39,10 @@ sealed class WireReader {
 
   public void Skip() {
     if (type_ == VarintType) Varint();
-    else if (type_ == Fixed64Type) Take(8);
-    else if (type_ == Fixed32Type) Take(4);
-    else if (type_ == BytesType) Take(Length());
-    else throw new FormatException("a wire type that is none");
+    else if (type_ == Fixed64Type) Advance(8);
+    else if (type_ == Fixed32Type) Advance(4);
+    else if (type_ == BytesType) Advance(Length());
+    else throw new FormatException("an invalid wire type");
   }
 
   public ulong Number() {
@@ -52,45 +52,45 @@ sealed class WireReader {
 
   public ulong Fixed64() {
     Expect(Fixed64Type);
-    return BitConverter.ToUInt64(bytes_, Take(8));
+    return BitConverter.ToUInt64(bytes_, Advance(8));
   }
 
   public float Float() {
     Expect(Fixed32Type);
-    return BitConverter.ToSingle(bytes_, Take(4));
+    return BitConverter.ToSingle(bytes_, Advance(4));
   }
 
   public string Text() {
     Expect(BytesType);
     int length = Length();
     try {
-      return Utf8.GetString(bytes_, Take(length), length);
+      return Utf8.GetString(bytes_, Advance(length), length);
     } catch (ArgumentException) {
-      throw new FormatException("text that is no UTF-8");
+      throw new FormatException("text that is not UTF-8");
     }
   }
 
   public byte[] Bytes() {
     Expect(BytesType);
     var value = new byte[Length()];
-    Array.Copy(bytes_, Take(value.Length), value, 0, value.Length);
+    Array.Copy(bytes_, Advance(value.Length), value, 0, value.Length);
     return value;
   }
 
   public WireReader Message() {
     Expect(BytesType);
-    int length = Length(), begin = Take(length);
+    int length = Length(), begin = Advance(length);
     return new WireReader(bytes_, begin, begin + length);
   }
 
-  // Repeated numbers come together, or each as a field.
+  // Repeated numbers are packed, or each is a field.
   public void Floats(List<float> values) {
     if (type_ == Fixed32Type) {
       values.Add(Float());
       return;
     }
     Expect(BytesType);
-    int length = Length(), begin = Take(length);
+    int length = Length(), begin = Advance(length);
     if (length % 4 != 0) throw new FormatException("a number is cut short");
     for (int i = begin; i < at_; i += 4) values.Add(BitConverter.ToSingle(bytes_, i));
   }
@@ -113,7 +113,7 @@ sealed class WireReader {
   ulong Varint() {
     ulong value = 0;
     for (int shift = 0; shift < 70; shift += 7) {
-      byte next = bytes_[Take(1)];
+      byte next = bytes_[Advance(1)];
       value |= (ulong)(next & 127) << shift;
       if (next < 128) return value;
     }
@@ -126,8 +126,8 @@ sealed class WireReader {
     return (int)length;
   }
 
-  // Returns the place of the next `count` bytes.
-  int Take(int count) {
+  // Returns the position of the next `count` bytes.
+  int Advance(int count) {
     if (count > end_ - at_) throw new FormatException("cut short");
     at_ += count;
     return at_ - count;

@@ -9,8 +9,8 @@ using System.Text.RegularExpressions;
 namespace Styled {
 
 static class Zmq {
-  // Where the library has its plain name: Unity's plugins on Windows and macOS, and whoever defines
-  // STYLED_LIBZMQ. Debian's package has this one.
+  // With the library's plain name: for Unity's plugins on Windows and macOS, and for builds that
+  // define STYLED_LIBZMQ. Debian's package has the other name.
 #if UNITY_EDITOR_WIN || UNITY_STANDALONE_WIN || UNITY_EDITOR_OSX || UNITY_STANDALONE_OSX || STYLED_LIBZMQ
   const string Library = "libzmq";
 #else
@@ -39,13 +39,13 @@ static class Zmq {
 }
 
 /// <summary>Keys of ZeroMQ's CURVE, for daemons that are reached over a network: 40 characters of Z85.
-/// Without a pair a new one is made.</summary>
+/// Without a pair, a new one is generated.</summary>
 public sealed class Curve {
   public string ServerKey, PublicKey, SecretKey;
 }
 
-/// <summary>One socket with a context of its own. One thread at a time; the finalizer closes what nobody
-/// has.</summary>
+/// <summary>One socket with a context of its own. One thread at a time; the finalizer closes
+/// unreferenced sockets.</summary>
 sealed class ZmqSocket : IDisposable {
   readonly IntPtr message_ = Marshal.AllocHGlobal(128);  // a zmq_msg_t has 64 bytes
   IntPtr context_, socket_;
@@ -113,7 +113,8 @@ sealed class ZmqSocket : IDisposable {
     return Zmq.zmq_send(socket_, bytes, (UIntPtr)bytes.Length, more ? Zmq.SendMore : 0) >= 0;
   }
 
-  /// <summary>Waits up to `timeout_ms` (0: not at all) for a message; false: none came.</summary>
+  /// <summary>Waits up to `timeout_ms` (0: not at all) for a message; false: none
+  /// arrived.</summary>
   public bool Receive(List<byte[]> parts, int timeout_ms) {
     CheckOpen();
     parts.Clear();

@@ -1,7 +1,6 @@
 #include "daemon/source/rigs/device_rig.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -17,8 +16,8 @@ using runtime::Counter;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFarthest_m = 1000;
-// Performers' sizes, as shares of the canonical humanoid's: avatars are smaller and larger than
-// people.
+// The accepted sizes of performers, relative to the canonical humanoid: avatars may be smaller and
+// larger than people.
 constexpr float kSmallest = 0.2F, kLargest = 5;
 constexpr float kDegrees = 57.29578F;
 
@@ -46,7 +45,7 @@ int DeviceRig::PartOf(const Device& device) const {
   for (const config::Tracker& row : assigned_) {
     if (row.id == device.name) part = body::FindJoint(row.part);
   }
-  // A part that the table gives to another device is not this one's by habit.
+  // If `trackers` assigns a part to another device, this one does not get it by default.
   for (const config::Tracker& row : assigned_) {
     if (row.id != device.name && part >= 0 && row.part == PartName(part)) return Seen::kUnknown;
   }
@@ -84,7 +83,7 @@ DeviceRig::Known* DeviceRig::Find(const Device& device, std::uint64_t peer, std:
   known.peer = peer;
   known.part = part;
   known.fixed = part != Seen::kUnknown;
-  for (Known& other : known_) {  // what was guessed to be there gives way
+  for (Known& other : known_) {  // an explicit assignment replaces a guess
     if (!other.fixed && other.part == part) other.part = Seen::kUnknown;
   }
   known.last = {body::Vec3::Constant(kNan), body::Quat(kNan, kNan, kNan, kNan)};
@@ -93,18 +92,19 @@ DeviceRig::Known* DeviceRig::Find(const Device& device, std::uint64_t peer, std:
 }
 
 void DeviceRig::Introduce(Known& known, std::int64_t now_ns, Outbox& out) {
-  const std::uint64_t times = strangers_.Take(now_ns);
+  const std::uint64_t times = strangers_.Count(now_ns);
   if (times == 0) return;
   out.Note([&] {
     return "device \"" + Printable(known.name, 64) + "\" " +
-           (known.fixed ? "is worn on " + std::string(PartName(known.part))
-                        : "is on no known part: a calibration guesses it, or `trackers` says it") +
+           (known.fixed
+                ? "is worn on " + std::string(PartName(known.part))
+                : "is on no known part: a calibration guesses it, or `trackers` assigns it") +
            "; to be calibrated while the performer stands in a T-pose" + Times(times);
   });
 }
 
-void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64_t peer,
-                     std::int64_t now_ns, Outbox& out) {
+void DeviceRig::Accept(const Device& device, const Measured& measured, std::uint64_t peer,
+                       std::int64_t now_ns, Outbox& out) {
   const bool nothing = !measured.position_m.allFinite() && !measured.rotation.coeffs().allFinite();
   if (device.name.empty() || device.name.size() > 64 || !IsUtf8(device.name) || nothing ||
       !IsSane(measured)) {
@@ -125,7 +125,7 @@ void DeviceRig::Take(const Device& device, const Measured& measured, std::uint64
   }
   heard_ns_ = now_ns;
   if (known->part != Seen::kUnknown) {
-    devices_.Take(body::Joint(known->part), now_ns, measured.position_m, rotation);
+    devices_.Add(body::Joint(known->part), now_ns, measured.position_m, rotation);
   }
   stream_.Wake(now_ns);
 }
@@ -139,7 +139,7 @@ void DeviceRig::NoteHeading(float heading, std::uint64_t peer, std::int64_t now_
 
 void DeviceRig::Tick(std::int64_t now_ns, Outbox& out) {
   if (!note_.empty()) {
-    out.News([this] { return std::exchange(note_, {}); });
+    out.Notice([this] { return std::exchange(note_, {}); });
   }
   stream_.Tick(now_ns, options_.delay_ns, out, [this](std::int64_t time_ns, body::Pose& pose) {
     if (calibrated_) return devices_.Solve(time_ns, pose);
@@ -153,7 +153,7 @@ bool DeviceRig::IsTurned(const Known& known, std::int64_t now_ns) const {
   return known.rotation_ns != 0 && now_ns - known.rotation_ns <= options_.stale_ns;
 }
 
-// The live devices, and whose they are. Changes none.
+// The live devices and their performers. Changes nothing.
 std::vector<Seen> DeviceRig::See(std::int64_t now_ns, std::vector<Known*>& who) {
   std::vector<Seen> seen;
   for (Known& known : known_) {
@@ -183,7 +183,7 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
   }
   std::vector<Known*> who;
   std::vector<Seen> seen = See(now_ns, who);
-  if (seen.empty()) return Status::Error("no device is live that says where it is");
+  if (seen.empty()) return Status::Error("no live device reports its position");
   devices::GuessParts(seen);
   const devices::Stance stance = devices::FindStance(seen);
   if (!(stance.scale >= kSmallest && stance.scale <= kLargest)) {
@@ -208,10 +208,11 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
     any_turned = any_turned || IsTurned(*who[i], now_ns);
   }
   if (worn.empty() && guessed.empty()) {
-    return Status::Error("no device is where a T-pose has one: " + left);
+    return Status::Error("no device is at a place that fits a T-pose: " + left);
   }
-  if (!any_turned) return Status::Error("no device that is worn says how it is turned");
-  // Nothing has changed so far. Guesses of the last calibration end, those of silent devices, too.
+  if (!any_turned) return Status::Error("no worn device reports its rotation");
+  // Nothing has changed so far. The guesses of the last calibration end here, including those of
+  // silent devices.
   for (Known& known : known_) {
     if (!known.fixed) known.part = Seen::kUnknown;
   }
@@ -219,12 +220,12 @@ Status DeviceRig::Calibrate(Calibration what, std::int64_t now_ns) {
     Known& known = *who[i];
     known.part = seen[i].part;
     if (known.part == Seen::kUnknown) continue;
-    devices_.Take(
+    devices_.Add(
         body::Joint(known.part), now_ns, known.last.position_m,
         IsTurned(known, now_ns) ? known.last.rotation : body::Quat(kNan, kNan, kNan, kNan));
   }
   calibrated_ = devices_.Reset(now_ns, stance).done != 0;
-  if (!calibrated_) return Status::Error("no device that is worn says how it is turned");
+  if (!calibrated_) return Status::Error("no worn device reports its rotation");
   char figures[64];
   std::snprintf(figures, sizeof figures, "%.0f degrees by ",
                 static_cast<double>(kDegrees * stance.heading));

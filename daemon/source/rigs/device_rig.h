@@ -15,28 +15,29 @@
 
 namespace styled::source {
 
-// One performer who wears devices that measure where they are and how they are turned, whatever
-// protocol they come by (VMC's devices, VRChat's trackers). Passes what they measure to the body
-// solver (model/devices) and sends its poses: the rest pose until the first calibration, nothing
-// while all are silent. Each calibration starts a new session, because the pose jumps. Pipeline
-// thread; Take and Tick do not allocate once the devices are known and the first frame was sent.
+// One performer who wears devices that measure their own position and rotation, whatever their
+// protocol (VMC's devices, VRChat's trackers). Passes the measurements to the body solver
+// (model/devices) and sends its poses: the rest pose until the first calibration, nothing while all
+// devices are silent. Each calibration starts a new session, because the pose jumps. Pipeline
+// thread; Accept and Tick do not allocate once the devices are known and the first frame was sent.
 // Pinned by tests/unit/vrchat/translator_test.cpp.
 //
-// A device is worn where `trackers` of the source says, else where the protocol has it by habit
-// (`usual_part`), else where a calibration guesses it by height and side in the T-pose
-// (devices::GuessParts), until the next one. Two devices are never on one part: the first keeps it.
+// A device's part comes from `trackers` of the source; else from the protocol's convention
+// (`usual_part`); else a calibration guesses it by height and side in the T-pose
+// (devices::GuessParts), until the next calibration. Two devices are never on one part: the first
+// keeps it.
 class DeviceRig {
  public:
   static constexpr std::size_t kMaxDevices = 32;
-  // A device that was silent for this long may be sent by somebody else, or make room for another.
+  // After this long a silent device may be sent by another sender, or make room for another device.
   static constexpr std::int64_t kSilent_ns = 1'000'000'000;
 
   struct Device {
-    std::string_view name;  // at most 64 bytes; the configuration's word for it
+    std::string_view name;  // at most 64 bytes; its name in the configuration
     int usual_part = devices::Seen::kUnknown;
     bool is_head = false, at_joint = false;  // as in devices::Seen
   };
-  // Right-handed, +Y up, metres. What is not measured is NaN.
+  // Right-handed, +Y up, metres. A value that was not measured is NaN.
   struct Measured {
     body::Vec3 position_m;
     body::Quat rotation;
@@ -44,17 +45,18 @@ class DeviceRig {
 
   explicit DeviceRig(const config::Source& config);
 
-  // Takes what a device measured. Refuses values that are not finite or beyond 1 km, and what
-  // measures nothing (source.malformed), a device that another sender sends
-  // (pipeline.second_sender), and new ones while kMaxDevices are live (source.table_full).
-  void Take(const Device& device, const Measured& measured, std::uint64_t peer, std::int64_t now_ns,
-            Outbox& out);
-  // A heading that the sender gives for the performer in the T-pose, radians; for devices whose
-  // places do not show it. It stays, for the head's device of the same sender, since some say it
-  // once. For kSilent_ns another sender's is refused (pipeline.second_sender).
+  // Accepts a device's measurement. Refuses values that are not finite or beyond 1 km, and a
+  // message without a measurement (source.malformed); a device that another sender sends
+  // (pipeline.second_sender); and new ones while kMaxDevices are live (source.table_full).
+  void Accept(const Device& device, const Measured& measured, std::uint64_t peer,
+              std::int64_t now_ns, Outbox& out);
+  // The performer's heading in the T-pose according to the sender, in radians, for devices whose
+  // positions do not show it. It remains valid, for the head's device of the same sender, because
+  // some senders send it only once. Within kSilent_ns, headings from another sender are refused
+  // (pipeline.second_sender).
   STYLED_REALTIME void NoteHeading(float heading, std::uint64_t peer, std::int64_t now_ns,
                                    Outbox& out) noexcept;
-  // The sender started again: a new session, with the calibration as it is.
+  // The sender restarted: a new session, with the same calibration.
   void Restart() { stream_.Restart(devices_.scale()); }
 
   void Tick(std::int64_t now_ns, Outbox& out);
@@ -62,9 +64,9 @@ class DeviceRig {
   // Whether frames are sent.
   bool speaks() const { return NextDeadline_ns() != Translator::kNever; }
 
-  // Only kFull. The result is logged with the next Tick, with the parts of the devices and what
-  // heading and size are from. Errors: nothing could be calibrated, or no size that a performer
-  // has; the last calibration stays in force then.
+  // Only kFull. The result is logged with the next Tick, with the parts of the devices and the
+  // sources of heading and size. Errors: nothing could be calibrated, or the size is implausible;
+  // the last calibration then stays in force.
   Status Calibrate(Calibration what, std::int64_t now_ns);
 
  private:
@@ -92,7 +94,7 @@ class DeviceRig {
   bool calibrated_ = false;
   std::int64_t heard_ns_ = 0;  // the last device
   struct {
-    float heading = 0;  // as noted
+    float heading = 0;  // the part that was logged
     std::uint64_t peer = 0;
     std::int64_t heard_ns = 0;  // 0: none
   } noted_;

@@ -2,7 +2,6 @@
 
 #include <cstring>
 #include <optional>
-#include <string>
 
 #include "daemon/config/sources.h"
 #include "daemon/runtime/clock.h"
@@ -15,10 +14,10 @@ namespace {
 using runtime::Counter;
 
 constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
-// Between two start texts; readers of the app's text use 2 to 10 s.
+// The interval between two start texts; readers of the app's text use 2 to 10 s.
 constexpr std::int64_t kAsk_ns = 2 * runtime::kSecond_ns;
-// Silence after which the first one is sent again: long for Wi-Fi, and short enough that a face is
-// still held (MergedPart::kHold_ns) when an app that had stopped goes on.
+// Silence after which the first start text is sent again. It is long compared to gaps of Wi-Fi, and
+// short enough that the face is still held (MergedPart::kHold_ns) when a stopped app continues.
 constexpr std::int64_t kSilence_ns = 300'000'000;
 
 class IFacialMocap final : public Translator {
@@ -26,15 +25,15 @@ class IFacialMocap final : public Translator {
   explicit IFacialMocap(const config::Source& config) : face_(config.expressions == "vrm") {
     if (config.server.empty()) return;
     const auto server = config::ParseServer(config.server, ifacialmocap::kPort);
-    if (!server.ok()) return;  // the configuration was checked
+    if (!server.ok()) return;  // the configuration is already validated
     phone_.emplace();
     std::memcpy(&phone_->address, &server.value(), sizeof(sockaddr_in));
     phone_->address_size = sizeof(sockaddr_in);
     ask_ns_ = 0;
   }
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     const auto result = ifacialmocap::Decode(datagram, frame_);
     if (result != ifacialmocap::DecodeResult::kOk) return out.Refuse(Counter::kSourceMalformed);
     if (peer.id != peer_) {

@@ -14,15 +14,15 @@ namespace {
 using runtime::Counter;
 
 constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
-// As of mocopi: a smaller step back means a late frame, unless so many come in a row.
+// As in mocopi.cpp: a smaller step back means a late frame, unless so many occur in a row.
 constexpr int kOldFrames = 5;
 
 class LiveLinkFace final : public Translator {
  public:
   explicit LiveLinkFace(const config::Source& config) : face_(config.expressions == "vrm") {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& /*peer*/, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& /*peer*/, std::int64_t now_ns,
+              Outbox& out) override {
     live_link_face::Frame frame;
     if (live_link_face::Decode(datagram, frame) != live_link_face::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
@@ -37,7 +37,7 @@ class LiveLinkFace final : public Translator {
   }
 
  private:
-  // Returns false for another phone than the one that sends, and for an old frame.
+  // Returns false for a phone other than the current one, and for an old frame.
   bool Admit(const live_link_face::Frame& frame, std::int64_t now_ns, Outbox& out) {
     if (frame.device != device_ || frame.subject != subject_) {
       if (any_ && now_ns - seen_ns_ < kTakeOver_ns) {

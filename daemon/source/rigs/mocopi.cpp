@@ -13,8 +13,8 @@ namespace {
 
 using runtime::Counter;
 
-// A frame at least so far behind the newest one means a restart. A smaller distance means a late
-// frame, unless kOldFrames such frames come in a row.
+// A frame at least this far behind the newest one means a restart. A smaller distance means a late
+// frame, unless kOldFrames such frames occur in a row.
 constexpr std::uint32_t kRestartFrames = 60;
 constexpr float kRestart_s = 1.0F;
 constexpr int kOldFrames = 5;
@@ -41,17 +41,17 @@ class Sender {
   std::uint64_t peer() const { return peer_; }
   std::int64_t seen_ns() const { return seen_ns_; }
 
-  void Take(const mocopi::Datagram& datagram, std::int64_t now_ns, Outbox& out) {
+  void Handle(const mocopi::Datagram& datagram, std::int64_t now_ns, Outbox& out) {
     seen_ns_ = now_ns;
     if (datagram.kind == mocopi::Datagram::Kind::kSkeleton) {
-      TakeSkeleton(datagram.skeleton, out);
+      HandleSkeleton(datagram.skeleton, out);
     } else {
-      TakeFrame(datagram.frame, now_ns, out);
+      HandleFrame(datagram.frame, now_ns, out);
     }
   }
 
  private:
-  void TakeSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
+  void HandleSkeleton(const mocopi::Skeleton& skeleton, Outbox& out) {
     if (stream_.has_body() && skeleton == skeleton_) return;  // repeated every 3.5 s
     out.LeaveHotSection();
     skeleton_ = skeleton;
@@ -59,10 +59,10 @@ class Sender {
     pose_ = rig::RigPose(stream_.body().skeleton);
   }
 
-  void TakeFrame(const mocopi::Frame& frame, std::int64_t now_ns, Outbox& out) {
+  void HandleFrame(const mocopi::Frame& frame, std::int64_t now_ns, Outbox& out) {
     PerformerStream::FrameInfo info;
     if (!Admit(frame, info.lost, out)) return;
-    if (!stream_.has_body()) TakeSkeleton(mocopi::UsualSkeleton(), out);
+    if (!stream_.has_body()) HandleSkeleton(mocopi::UsualSkeleton(), out);
     for (std::size_t id = 0; id < mocopi::kBones; ++id) {
       const auto& r = frame.bones[id].rotation;
       pose_.rotations[id] = rig::Quat(r[3], r[0], r[1], r[2]);
@@ -115,14 +115,14 @@ class Mocopi final : public Translator {
   explicit Mocopi(const config::Source& config)
       : performer_(config.performer.empty() ? config.name : config.performer) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (mocopi::Decode(datagram, datagram_) != mocopi::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     Sender* sender = Find(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
-    sender->Take(datagram_, now_ns, out);
+    sender->Handle(datagram_, now_ns, out);
   }
 
  private:

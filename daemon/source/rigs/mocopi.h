@@ -10,7 +10,8 @@ namespace styled::source {
 // Sony mocopi's application ("mocopi"; bytes: proto/rigs/mocopi).
 //
 // Transport   UDP, port 12351; a frame in each datagram, a skeleton every 3.5 s.
-// Performer   One per port: `performer`, else the source's name. Up to 8 senders are told apart by
+// Performer   One per port: `performer`, else the source's name. Up to 8 senders are distinguished
+// by
 //             address and port; the pipeline admits one of them at a time.
 // Body        27 bones in metres, right-handed, +Y up, dialect "mocopi": the usual skeleton until
 //             the sender describes its own.

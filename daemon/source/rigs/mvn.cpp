@@ -18,7 +18,7 @@ using runtime::Counter;
 
 // How long a new character may remain without name and T-pose: MVN sends them once a second.
 constexpr std::int64_t kPatience_ns = 3 * runtime::kSecond_ns / 2;
-// A sample so far behind the newest one is a restart, not a late sample.
+// A sample this far behind the newest one means a restart, not a late sample.
 constexpr std::uint32_t kRestartSamples = 240;
 constexpr std::size_t kMaxCharacters = 64;
 constexpr int kHead = 6, kHandSegments = 20;
@@ -61,24 +61,24 @@ class Character {
   std::string_view performer() const { return stream_ ? stream_->performer() : std::string_view(); }
   const std::string& called() const { return called_; }
 
-  void TakeName(std::string_view name) {
+  void HandleName(std::string_view name) {
     if (!stream_ && !name.empty()) called_ = MakeName(name);
   }
-  void TakeScale(const mvn::Scale& scale, Outbox& out);
-  STYLED_REALTIME void TakeTimecode(const mvn::Timecode& given) noexcept {
+  void HandleScale(const mvn::Scale& scale, Outbox& out);
+  STYLED_REALTIME void HandleTimecode(const mvn::Timecode& given) noexcept {
     timecode_ = {given.hours, given.minutes, given.seconds, given.milliseconds, 1000, false};
     has_timecode_ = true;
   }
   // Handles one datagram's part of a pose. `performer` supplies the name once it is needed.
   template <typename MakePerformer>
-  void TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
-                std::int64_t now_ns, const MakePerformer& performer, Outbox& out);
+  void HandlePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
+                  std::int64_t now_ns, const MakePerformer& performer, Outbox& out);
 
  private:
   enum class Order { kNext, kOld };
   Order Sort(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
   bool Gather(const mvn::Header& header, const mvn::Pose& pose, std::int64_t now_ns, Outbox& out);
-  void SayIncomplete(std::int64_t now_ns, Outbox& out);
+  void ReportIncomplete(std::int64_t now_ns, Outbox& out);
   void ReportMissingInput(Outbox& out);
   void MakeBody(const mvn::Header& header, const std::string& up, Outbox& out);
   void Send(const mvn::Header& header, std::int64_t now_ns, Outbox& out);
@@ -105,7 +105,7 @@ class Character {
   std::array<rig::Quat, mvn::kMaxSegments> rotations_;
   int gathered_ = 0, wanted_ = 0, next_part_ = 0;
   mvn::Type gathered_type_ = mvn::Type::kEuler;
-  int props_ = 0;  // that the last sample has
+  int props_ = 0;  // number in the last sample
   std::array<std::string, mvn::kMaxProps> prop_names_{"Prop1", "Prop2", "Prop3", "Prop4"};
   std::vector<rig::Quat> joint_rotations_;
   rig::RigBody body_;
@@ -114,7 +114,7 @@ class Character {
   bool has_timecode_ = false;
 };
 
-void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
+void Character::HandleScale(const mvn::Scale& scale, Outbox& out) {
   if (scale.count < mvn::kBodySegments) return;
   for (std::size_t s = 0; s < mvn::kBodySegments; ++s) {
     const auto& p = scale.segments[s].position_m;
@@ -123,7 +123,7 @@ void Character::TakeScale(const mvn::Scale& scale, Outbox& out) {
   has_scale_ = true;
   NameProps(scale, out);
   if (!stream_ || !stream_->has_body()) return;
-  // The T-pose arrived after the body was made: a changed body, if it differs.
+  // The T-pose arrived after the body was made: it changes the body, if it differs.
   mvn::Header header;
   header.type = type_;
   header.finger_segments =
@@ -154,14 +154,13 @@ Character::Order Character::Sort(const mvn::Header& header, std::int64_t now_ns,
     return Order::kOld;
   }
   if (any_sample_ && header.sample == sample_ && sent_) {
-    // A part that the headers did not announce, after a pose that was complete without it, is no
-    // error.
+    // A part that the headers did not announce is not an error if the pose was complete without it.
     if (header.datagram < next_part_) out.Refuse(Counter::kPipelineDuplicate);
     return Order::kOld;
   }
   if (any_sample_ && header.sample < sample_ && stream_) stream_->Restart();
   if (!any_sample_ || header.sample != sample_) {
-    if (any_sample_ && !sent_) SayIncomplete(now_ns, out);
+    if (any_sample_ && !sent_) ReportIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
     sent_ = incomplete_ = false;
   }
@@ -177,7 +176,7 @@ bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::in
   wanted_ = mvn::kBodySegments + header.props + header.finger_segments;
   // The sample number is the same, but the sample begins again.
   if (header.datagram == 0 && next_part_ > 0) {
-    SayIncomplete(now_ns, out);
+    ReportIncomplete(now_ns, out);
     gathered_ = next_part_ = 0;
     incomplete_ = false;
   }
@@ -195,33 +194,34 @@ bool Character::Gather(const mvn::Header& header, const mvn::Pose& pose, std::in
     }
     if (gathered_ >= wanted_) return true;
   }
-  if (header.last) SayIncomplete(now_ns, out);
+  if (header.last) ReportIncomplete(now_ns, out);
   return false;
 }
 
 // Counts and logs an incomplete sample, once.
-void Character::SayIncomplete(std::int64_t now_ns, Outbox& out) {
+void Character::ReportIncomplete(std::int64_t now_ns, Outbox& out) {
   if (incomplete_) return;
   incomplete_ = true;
   out.Refuse(Counter::kSourceIncomplete);
-  const std::uint64_t times = incomplete_notes_.Take(now_ns);
+  const std::uint64_t times = incomplete_notes_.Count(now_ns);
   if (times == 0) return;
   out.Note([&] {
     return "character " + std::to_string(id_) + ": " + std::to_string(gathered_) + " of " +
            std::to_string(wanted_) +
-           " segments of a sample came, in order from its first datagram: it makes no frame" +
+           " segments of a sample arrived, in order from its first datagram: no frame is made" +
            Times(times);
   });
 }
 
-// Once a character: it plays without, named after the source, with the bones of its first pose.
+// Logged once per character: it continues without the missing data, named after the source, with
+// the bones of its first pose.
 void Character::ReportMissingInput(Outbox& out) {
   out.Note([&] {
     return "character " + std::to_string(id_) + " sends " +
            (called_.empty() && !has_scale_ ? "neither name (type 12) nor T-pose (type 13)"
             : called_.empty()              ? "no name (type 12)"
                                            : "no T-pose (type 13)") +
-           ", expected both within 1.5 s: it plays as " + stream_->performer() +
+           ", expected both within 1.5 s: it continues as " + stream_->performer() +
            (has_scale_ ? "" : ", with the bones of its first pose") +
            ". Switch on character information and scaling in MVN's network streamer";
   });
@@ -260,8 +260,8 @@ void Character::MakeBody(const mvn::Header& header, const std::string& up, Outbo
 }
 
 template <typename MakePerformer>
-void Character::TakePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
-                         std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
+void Character::HandlePose(const mvn::Header& header, const mvn::Pose& pose, const std::string& up,
+                           std::int64_t now_ns, const MakePerformer& performer, Outbox& out) {
   seen_ns_ = now_ns;
   // The sender sends both types.
   if (header.type == mvn::Type::kEuler && type_ == mvn::Type::kQuaternion) return;
@@ -307,8 +307,8 @@ class Mvn final : public Translator {
  public:
   explicit Mvn(const config::Source& config) : config_(config) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     mvn::Header header;
     if (mvn::DecodeHeader(datagram, header) != DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
@@ -316,22 +316,22 @@ class Mvn final : public Translator {
     switch (header.type) {
       case mvn::Type::kEuler:
       case mvn::Type::kQuaternion:
-        return TakePose(datagram, peer, now_ns, out);
+        return HandlePose(datagram, peer, now_ns, out);
       case mvn::Type::kMeta: {
         std::string_view name;
         if (mvn::DecodeName(datagram, name) != DecodeResult::kOk) break;
-        if (auto* character = Find(header, peer, now_ns, out)) character->TakeName(name);
+        if (auto* character = Find(header, peer, now_ns, out)) character->HandleName(name);
         return;
       }
       case mvn::Type::kScale: {
         if (mvn::DecodeScale(datagram, scale_) != DecodeResult::kOk) break;
-        if (auto* character = Find(header, peer, now_ns, out)) character->TakeScale(scale_, out);
+        if (auto* character = Find(header, peer, now_ns, out)) character->HandleScale(scale_, out);
         return;
       }
       case mvn::Type::kTimecode: {
         mvn::Timecode timecode;
         if (mvn::DecodeTimecode(datagram, timecode) != DecodeResult::kOk) break;
-        if (auto* character = Find(header, peer, now_ns, out)) character->TakeTimecode(timecode);
+        if (auto* character = Find(header, peer, now_ns, out)) character->HandleTimecode(timecode);
         return;
       }
       default:
@@ -341,15 +341,15 @@ class Mvn final : public Translator {
   }
 
  private:
-  void TakePose(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-                Outbox& out) {
+  void HandlePose(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                  Outbox& out) {
     mvn::Header header;
     if (mvn::DecodePose(datagram, header, pose_) != DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     Character* character = Find(header, peer, now_ns, out);
     if (character == nullptr) return out.Refuse(Counter::kPipelinePerformersRefused);
-    character->TakePose(
+    character->HandlePose(
         header, pose_, config_.up, now_ns,
         [this](const Character& who) { return PerformerOf(who); }, out);
   }
@@ -376,11 +376,11 @@ class Mvn final : public Translator {
     std::string name = config_.performer;
     if (name.empty()) name = who.called().empty() ? config_.name : who.called();
     const std::string stem = name.substr(0, 28);
-    for (int i = 2; Taken(name, who); ++i) name = stem + "-" + std::to_string(i);
+    for (int i = 2; IsInUse(name, who); ++i) name = stem + "-" + std::to_string(i);
     return name;
   }
   // Another sender's character may have the same name: the pipeline admits one sender at a time.
-  bool Taken(std::string_view name, const Character& who) const {
+  bool IsInUse(std::string_view name, const Character& who) const {
     return std::any_of(characters_.begin(), characters_.end(), [&](const auto& other) {
       return other->id() != who.id() && other->performer() == name;
     });

@@ -12,10 +12,11 @@
 namespace styled::source {
 
 // For rigs whose server lists its skeletons by name. Adds a performer named after a skeleton to
-// `performers`: that of the name in `before`, which is then null there, so that its stream goes on,
-// or a new one. A name that `performers` has already gets a number: "anna-2". Either vector may
-// hold nulls. Performer has `stream`, a PerformerStream, and is made of its name. Allocates.
-// Pinned by the translators' tests, tests/unit/natnet and tests/unit/qtm.
+// `performers`: the performer of that name from `before`, which becomes null there, so that its
+// stream continues; otherwise a new one. A name that `performers` already has gets a number:
+// "anna-2". Either vector may hold nulls. A Performer is constructed from its name and has
+// `stream`, a PerformerStream. Allocates. Pinned by the translators' tests, tests/unit/natnet and
+// tests/unit/qtm.
 template <typename Performer>
 Performer& AdoptNamed(std::string_view skeleton, std::vector<std::unique_ptr<Performer>>& before,
                       std::vector<std::unique_ptr<Performer>>& performers) {
@@ -24,7 +25,7 @@ Performer& AdoptNamed(std::string_view skeleton, std::vector<std::unique_ptr<Per
       return performer != nullptr && performer->stream.performer() == name;
     };
   };
-  constexpr std::size_t kStem = 29;  // of a name's 32 bytes; the others are the number's
+  constexpr std::size_t kStem = 29;  // of a name's 32 bytes; the others are for the number
   std::string name = MakeName(skeleton);
   const std::string stem = name.substr(0, kStem);
   for (int i = 2; std::ranges::any_of(performers, called(name)); ++i) {

@@ -17,9 +17,9 @@ using natnet::MessageId;
 using runtime::Counter;
 using runtime::kSecond_ns;
 
-constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, questions
+constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, requests
 constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // silence after which CONNECT is repeated
-// A frame at least so far behind the newest one means that the server restarted or replays a
+// A frame at least this far behind the newest one means that the server restarted or replays a
 // recording, not that the frame was overtaken.
 constexpr std::int32_t kOvertaken = 16;
 constexpr int kBadFrames = 10;         // consecutive: the bitstream may have changed
@@ -46,10 +46,10 @@ NatNet::NatNet(const config::Source& config, const sockaddr_in& server, in_addr 
   server_.address_size = sizeof server;
 }
 
-void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-                  Outbox& out) {
+void NatNet::Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+                    Outbox& out) {
   if (!SameHost(peer, server_)) {
-    out.LeaveHotSection();  // the line is composed before it is known that it was said
+    out.LeaveHotSection();  // the line is composed before the check whether it was logged
     Say("ignoring packets that do not come from server " + config_.server, out);
     return out.Refuse(Counter::kSourceIgnored);
   }
@@ -57,18 +57,18 @@ void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::in
   if (natnet::DecodePacket(datagram, packet) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
-  if (now_ns - heard_ns_ >= kSilence_ns) {  // it is back
+  if (now_ns - heard_ns_ >= kSilence_ns) {  // the server answers again
     out.LeaveHotSection();
-    said_.Forget(now_ns);
+    logged_.Forget(now_ns);
   }
   heard_ns_ = now_ns;
   switch (packet.id) {
     case MessageId::kServerInfo:
-      return TakeServerInfo(packet.payload, now_ns, out);
+      return HandleServerInfo(packet.payload, now_ns, out);
     case MessageId::kModelDef:
-      return TakeModel(packet.payload, out);
+      return HandleModel(packet.payload, out);
     case MessageId::kFrameOfData:
-      return TakeFrame(packet.payload, now_ns, out);
+      return HandleFrame(packet.payload, now_ns, out);
     default:
       return out.Refuse(Counter::kSourceIgnored);
   }
@@ -77,15 +77,15 @@ void NatNet::Take(std::span<const std::byte> datagram, const Peer& peer, std::in
 void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
   if (now_ns < next_pulse_ns_) return;
   next_pulse_ns_ = now_ns + kPulse_ns;
-  if (!version_ || now_ns - heard_ns_ >= kSilence_ns) AskWho(out);
+  if (!version_ || now_ns - heard_ns_ >= kSilence_ns) RequestServerInfo(out);
   if (!version_) return;
   if (!stream_) SendCommand(MessageId::kKeepAlive, out);
-  if (wants_model_) AskForModel(now_ns, out);
+  if (wants_model_) RequestModel(now_ns, out);
 }
 
-// Old servers know the record; from 4.0 on also the longer shape; no server objects to the other
-// one. No bitstream is requested: SERVER INFO states which one is used.
-void NatNet::AskWho(Outbox& out) {
+// Old servers know the first record, servers from 4.0 on also the longer one; no server objects to
+// the one it does not know. No bitstream is requested: SERVER INFO states which one is used.
+void NatNet::RequestServerInfo(Outbox& out) {
   natnet::Connect connect;
   connect.shape =
       asked_who_++ % 2 == 0 ? natnet::Connect::Shape::kRecord : natnet::Connect::Shape::kBitstream;
@@ -95,7 +95,7 @@ void NatNet::AskWho(Outbox& out) {
   out.Reply(server_, std::span(buffer).first(natnet::EncodeConnect(connect, buffer)));
 }
 
-void NatNet::AskForModel(std::int64_t now_ns, Outbox& out) {
+void NatNet::RequestModel(std::int64_t now_ns, Outbox& out) {
   asked_model_ns_ = now_ns;
   SendCommand(MessageId::kRequestModelDef, out);
 }
@@ -107,10 +107,11 @@ void NatNet::SendCommand(MessageId id, Outbox& out) {
 
 void NatNet::Say(std::string text, Outbox& out) {
   out.LeaveHotSection();
-  if (said_.Add(text)) out.Note([&text] { return std::move(text); });
+  if (logged_.Add(text)) out.Note([&text] { return std::move(text); });
 }
 
-void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+void NatNet::HandleServerInfo(std::span<const std::byte> payload, std::int64_t now_ns,
+                              Outbox& out) {
   natnet::ServerInfo info;
   if (natnet::DecodeServerInfo(payload, info) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
@@ -130,10 +131,10 @@ void NatNet::TakeServerInfo(std::span<const std::byte> payload, std::int64_t now
     std::memcpy(&stream_->group.s_addr, info.connection->group.data(), sizeof stream_->group);
   }
   wants_model_ = true;
-  AskForModel(now_ns, out);
+  RequestModel(now_ns, out);
 }
 
-void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
+void NatNet::HandleModel(std::span<const std::byte> payload, Outbox& out) {
   if (!version_) return out.Refuse(Counter::kSourceIgnored);
   if (natnet::DecodeModel(payload, *version_, *model_) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
@@ -142,7 +143,7 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
   out.LeaveHotSection();
   if (!model_->complete) {
     Say("server " + config_.server +
-            " sent data of an unknown type; what follows it in that packet is lost",
+            " sent data of an unknown type; the rest of that packet is lost",
         out);
   }
   if (model_->skeletons_left_out > 0) {
@@ -169,7 +170,7 @@ void NatNet::TakeModel(std::span<const std::byte> payload, Outbox& out) {
   performers_ = std::move(performers);
 }
 
-// Reuses the performer of this skeleton's name, or makes one.
+// Reuses the performer with this skeleton's name, or makes one.
 bool NatNet::Adopt(const natnet::SkeletonDescription& description,
                    std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = NatNetSkeleton::Make(description);
@@ -185,20 +186,20 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
   return true;
 }
 
-void NatNet::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+void NatNet::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
   if (!version_) return out.Refuse(Counter::kSourceIgnored);
   const bool read = natnet::DecodeFrame(payload, *version_, *frame_) == DecodeResult::kOk &&
                     frame_->timestamp_s >= 0 && frame_->timestamp_s < 1e10;
   if (!read) {
-    if (++bad_frames_ % kBadFrames == 0) AskWho(out);
+    if (++bad_frames_ % kBadFrames == 0) RequestServerInfo(out);
     return out.Refuse(Counter::kSourceMalformed);
   }
   bad_frames_ = 0;
-  if ((frame_->params & natnet::kBitstreamChanged) != 0) AskWho(out);
+  if ((frame_->params & natnet::kBitstreamChanged) != 0) RequestServerInfo(out);
   if ((frame_->params & natnet::kModelsChanged) != 0) wants_model_ = true;
   std::uint64_t lost = 0;
   if (Sort(lost, out) == Order::kNext) Send(now_ns, lost, out);
-  if (wants_model_ && now_ns - asked_model_ns_ >= kPulse_ns) AskForModel(now_ns, out);
+  if (wants_model_ && now_ns - asked_model_ns_ >= kPulse_ns) RequestModel(now_ns, out);
 }
 
 NatNet::Order NatNet::Sort(std::uint64_t& lost, Outbox& out) {
@@ -246,7 +247,7 @@ void NatNet::WatchConvention(Outbox& out) {
     if (performer != nullptr) performer->skeleton.AddMisfits(bones, flags_, misfits);
   }
   const bool was_known = convention_.known();
-  if (!convention_.Take(misfits) || !was_known) return;
+  if (!convention_.Evaluate(misfits) || !was_known) return;
   for (auto& performer : performers_) performer->stream.Restart();
   const NatNetConvention found = convention_.convention();
   Say("server " + config_.server + " now streams " + (found.local ? "local" : "global") +
@@ -254,9 +255,9 @@ void NatNet::WatchConvention(Outbox& out) {
       out);
 }
 
-// A body of a skeleton has the skeleton's id in its upper 16 bits. What is not tracked has the pose
+// A body of a skeleton has the skeleton's id in its upper 16 bits. An untracked body has the pose
 // of an earlier frame.
-void NatNet::TakeProps(Outbox& out) noexcept {
+void NatNet::HandleProps(Outbox& out) noexcept {
   props_.count = props_.left_out = 0;
   for (std::size_t b = 0; b < frame_->rigid_bodies_read; ++b) {
     const natnet::Bone& body = frame_->rigid_bodies[b];
@@ -273,7 +274,7 @@ void NatNet::TakeProps(Outbox& out) noexcept {
 
 void NatNet::Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out) {
   WatchConvention(out);
-  TakeProps(out);
+  HandleProps(out);
   PerformerStream::FrameInfo info;
   info.source_time_ns = static_cast<std::uint64_t>(std::llround(frame_->timestamp_s * 1e9));
   info.now_ns = now_ns;

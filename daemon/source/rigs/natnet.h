@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/source/logged_lines.h"
 #include "daemon/source/performer_stream.h"
 #include "daemon/source/props.h"
 #include "daemon/source/rigs/natnet_skeleton.h"
-#include "daemon/source/said_lines.h"
 #include "daemon/source/translator.h"
 #include "proto/rigs/natnet/dialogue.h"
 #include "proto/rigs/natnet/frame.h"
@@ -23,14 +23,14 @@ namespace styled::source {
 // OptiTrack's Motive and other servers of NatNet 2.7 to 4.2 ("natnet"; bytes: proto/rigs/natnet).
 //
 // Transport   UDP, a dialogue with `server` (port 1510) through Outbox::Reply; the sockets are the
-//             transport's (daemon/source/natnet.h). CONNECT once a second while nobody answers, and
-//             again when the server was silent for 2 s; the model is asked for again when the
+//             transport's (daemon/source/natnet.h). CONNECT once a second until the server answers,
+//             and again when the server was silent for 2 s; the model is requested again when the
 //             server says that it changed or an unknown skeleton comes.
 // Performer   Each of the server's skeletons, up to 16: its name there; NAME-2, ... where a name is
 //             taken.
 // Body        The skeleton's bones in metres, made +Y up, dialect "motive". Whether bones are
 //             global or local and which axis is up is found in the frames (natnet_skeleton.h),
-//             unless `coordinates` and `up` say so.
+//             unless `coordinates` and `up` are set.
 // Props       Rigid bodies that are tracked and belong to no skeleton, by their names in the model,
 //             for every performer.
 // Time        The frame's timestamp in seconds; SMPTE timecode where the server has one. A gap in
@@ -55,8 +55,8 @@ class NatNet final : public Translator {
   // `server`: its command port. `group`: config.group.
   NatNet(const config::Source& config, const sockaddr_in& server, in_addr group);
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override;
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override;
   void Tick(std::int64_t now_ns, Outbox& out) override;
   std::int64_t NextDeadline_ns() const override { return next_pulse_ns_; }
 
@@ -74,19 +74,19 @@ class NatNet final : public Translator {
   };
   enum class Order { kNext, kOld };
 
-  void TakeServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
-  void TakeModel(std::span<const std::byte> payload, Outbox& out);
-  void TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
+  void HandleServerInfo(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
+  void HandleModel(std::span<const std::byte> payload, Outbox& out);
+  void HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out);
   Order Sort(std::uint64_t& lost, Outbox& out);
   void Send(std::int64_t now_ns, std::uint64_t lost, Outbox& out);
   Performer* Find(std::int32_t skeleton) noexcept;
-  STYLED_REALTIME void TakeProps(Outbox& out) noexcept;
+  STYLED_REALTIME void HandleProps(Outbox& out) noexcept;
   bool Adopt(const natnet::SkeletonDescription& description,
              std::vector<std::unique_ptr<Performer>>& performers, Outbox& out);
   void WatchConvention(Outbox& out);
 
-  void AskWho(Outbox& out);
-  void AskForModel(std::int64_t now_ns, Outbox& out);
+  void RequestServerInfo(Outbox& out);
+  void RequestModel(std::int64_t now_ns, Outbox& out);
   void SendCommand(natnet::MessageId id, Outbox& out);
   // Logs a line, but the same text only once while the server is there.
   void Say(std::string text, Outbox& out);
@@ -103,7 +103,7 @@ class NatNet final : public Translator {
   int bad_frames_ = 0;  // in a row
 
   std::vector<std::unique_ptr<Performer>> performers_;
-  // Rigid bodies that are parts of nothing, of the server's model; and the last frame's.
+  // The rigid bodies of the server's model that belong to no skeleton, and those of the last frame.
   std::vector<std::pair<std::int32_t, std::string>> prop_names_;
   PropList props_;
   NatNetConventionFinder convention_;
@@ -113,13 +113,13 @@ class NatNet final : public Translator {
   // Steps between frame numbers: a server may send only every n-th frame.
   std::uint32_t stride_ = 0, last_step_ = 0, steady_ = 0;
   Timecode timecode_;
-  SaidLines said_;
+  LoggedLines logged_;
   std::unique_ptr<natnet::Frame> frame_ = std::make_unique<natnet::Frame>();
   std::unique_ptr<natnet::Model> model_ = std::make_unique<natnet::Model>();
 };
 
-// The translator without its sockets, for a recording: its server is config.server, as it is
-// written, or nobody.
+// The translator without its sockets, for a recording: its server is config.server as written, or
+// none.
 std::unique_ptr<Translator> MakeNatNet(const config::Source& config);
 
 }  // namespace styled::source

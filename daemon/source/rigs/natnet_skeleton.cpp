@@ -207,7 +207,7 @@ NatNetConventionFinder::NatNetConventionFinder(const std::string& coordinates,
   known_ = count == 1;
 }
 
-bool NatNetConventionFinder::Take(const std::array<float, 4>& misfits) noexcept {
+bool NatNetConventionFinder::Evaluate(const std::array<float, 4>& misfits) noexcept {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::size_t best = 0;
   float least = kInfinity, second = kInfinity;

@@ -59,8 +59,8 @@ class NatNetSkeleton {
 STYLED_REALTIME void ConvertRigidBody(const natnet::Bone& body, NatNetConvention convention,
                                       rig::Vec3& position, rig::Quat& rotation) noexcept;
 
-// Detects the convention from what fits the skeletons' bone lengths, in every frame, because an
-// operator may change it on the server at any time.
+// Detects the convention in every frame, by how well each convention reproduces the skeletons' bone
+// lengths: an operator may change it on the server at any time.
 class NatNetConventionFinder {
  public:
   // Each argument is "auto" or a fixed value: "global", "local"; "y", "z".
@@ -68,7 +68,7 @@ class NatNetConventionFinder {
 
   // Evaluates the misfits of one frame. Returns true if the convention changes: at the first
   // conclusive frame, later when ten conclusive frames in a row agree on another one.
-  STYLED_REALTIME bool Take(const std::array<float, 4>& misfits) noexcept;
+  STYLED_REALTIME bool Evaluate(const std::array<float, 4>& misfits) noexcept;
   // False before the first conclusive frame, unless both settings are fixed.
   bool known() const { return known_; }
   NatNetConvention convention() const { return {(current_ & 2U) != 0, (current_ & 1U) != 0}; }

@@ -1,7 +1,6 @@
 #include "daemon/source/rigs/qtm.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "daemon/config/sources.h"
@@ -15,45 +14,47 @@ using qtm::DecodeResult;
 using qtm::PacketType;
 using runtime::Counter;
 
-constexpr std::size_t kMaxQuestion = 64;  // bytes of a question; the longest has 41
+constexpr std::size_t kMaxQuestion = 64;  // bytes of a request; the longest has 41
 
 }  // namespace
 
 Qtm::Qtm(const config::Source& config) : config_(config) {
   asked_.reserve(kMaxQuestion);
   const auto server = config::ParseServer(config.server, qtm::kPort);
-  if (!server.ok()) return;  // a recording's; the configuration of a live source was checked
+  if (!server.ok())
+    return;  // true for a recording's; the configuration of a live source is
+             // already validated
   std::memcpy(&server_.address, &server.value(), sizeof server.value());
   server_.address_size = sizeof server.value();
 }
 
-void Qtm::Take(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
-               Outbox& out) {
+void Qtm::Handle(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
+                 Outbox& out) {
   qtm::Packet packet;
   if (qtm::DecodePacket(record, packet) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   switch (packet.type) {
     case PacketType::kData:
-      return TakeFrame(packet.payload, now_ns, out);
-    case PacketType::kNoMoreData:  // the stream goes on with the next measurement
+      return HandleFrame(packet.payload, now_ns, out);
+    case PacketType::kNoMoreData:  // the stream continues with the next measurement
       no_measurement_ = true;
       return;
     case PacketType::kCommand:
-      return TakeText(qtm::TextOf(packet.payload), now_ns, out);
+      return HandleText(qtm::TextOf(packet.payload), now_ns, out);
     case PacketType::kError:
-      return TakeError(qtm::TextOf(packet.payload), now_ns, out);
+      return HandleError(qtm::TextOf(packet.payload), now_ns, out);
     case PacketType::kXml:
-      return TakeXml(qtm::TextOf(packet.payload), now_ns, out);
+      return HandleXml(qtm::TextOf(packet.payload), now_ns, out);
     case PacketType::kEvent:
-      return TakeEvent(static_cast<qtm::Event>(packet.payload.front()), now_ns, out);
+      return HandleEvent(static_cast<qtm::Event>(packet.payload.front()), now_ns, out);
     default:
       return out.Refuse(Counter::kSourceIgnored);
   }
 }
 
-void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
-  // The answer to a question for parameters; what was not asked for is not read.
+void Qtm::HandleXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
+  // The answer to a request for parameters. Sections that were not requested are not read.
   if (!IsAsking() || stage_ < Stage::kGeneral) return out.Refuse(Counter::kSourceIgnored);
   out.LeaveHotSection();
   const auto read = qtm::ReadParameters(xml);
@@ -64,25 +65,25 @@ void Qtm::TakeXml(std::string_view xml, std::int64_t now_ns, Outbox& out) {
   }
   answer_ns_ = kNever;
   const qtm::Parameters& parameters = read.value();
-  bool changed = TakeVolume(parameters);
+  bool changed = HandleVolume(parameters);
   switch (stage_) {
     case Stage::kGeneral:
       return Enter(Stage::kSpace, now_ns, out);
     case Stage::kSpace:
       return Enter(Stage::kSkeletons, now_ns, out);
     case Stage::kSkeletons:
-      TakeSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), true,
-                    out);
+      HandleSkeletons(parameters.skeletons.value_or(std::vector<qtm::SkeletonDescription>()), true,
+                      out);
       return Enter(Stage::kStreaming, now_ns, out);
     case Stage::kStreaming:
-      if (parameters.skeletons) changed = TakeSkeletons(*parameters.skeletons, changed, out);
+      if (parameters.skeletons) changed = HandleSkeletons(*parameters.skeletons, changed, out);
       return EndReread(changed, now_ns);
-    default:  // asks nothing that XML answers
+    default:  // requests nothing that is answered in XML
       return;
   }
 }
 
-bool Qtm::TakeVolume(const qtm::Parameters& parameters) {
+bool Qtm::HandleVolume(const qtm::Parameters& parameters) {
   const auto before = std::pair(frequency_hz_, up_);
   if (parameters.frequency_hz) frequency_hz_ = parameters.frequency_hz;
   if (parameters.up) up_ = *parameters.up;
@@ -90,8 +91,8 @@ bool Qtm::TakeVolume(const qtm::Parameters& parameters) {
   return std::pair(frequency_hz_, up_) != before;
 }
 
-bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
-                        Outbox& out) {
+bool Qtm::HandleSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, bool changed,
+                          Outbox& out) {
   if (skeletons.empty()) {
     Say(Server() + " has no skeleton: in QTM add one, and switch its solver on for real time", out);
   } else if (skeletons.size() > qtm::kMaxSkeletons) {
@@ -119,14 +120,14 @@ bool Qtm::TakeSkeletons(const std::vector<qtm::SkeletonDescription>& skeletons, 
   return true;
 }
 
-// Reuses the performer of this skeleton's name, or makes one.
+// Reuses the performer with this skeleton's name, or makes one.
 bool Qtm::Adopt(const qtm::SkeletonDescription& description,
                 std::vector<std::unique_ptr<Performer>>& performers, Outbox& out) {
   auto skeleton = QtmSkeleton::Make(description, up_);
   if (!skeleton.ok()) {
     Say(Server() + ": " + skeleton.status().message(), out);
     out.Refuse(Counter::kPipelineBodiesRefused);
-    performers.push_back(nullptr);  // frames count it
+    performers.push_back(nullptr);  // the counter `frames` includes it
     return false;
   }
   Performer& performer = AdoptNamed(description.name, performers_, performers);
@@ -137,7 +138,7 @@ bool Qtm::Adopt(const qtm::SkeletonDescription& description,
   return true;
 }
 
-void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
   switch (event) {
     case qtm::Event::kConnected:
     case qtm::Event::kCaptureStarted:
@@ -152,7 +153,7 @@ void Qtm::TakeEvent(qtm::Event event, std::int64_t now_ns, Outbox& out) {
   }
 }
 
-// What begins may have other skeletons.
+// A measurement that begins may have other skeletons.
 void Qtm::BeginSession(std::int64_t now_ns) noexcept {
   if (any_frame_) {
     for (auto& performer : performers_) {
@@ -161,7 +162,7 @@ void Qtm::BeginSession(std::int64_t now_ns) noexcept {
   }
   any_frame_ = false;
   only_skeletons_ = false;
-  WantSkeletons(now_ns);
+  ScheduleSkeletons(now_ns);
 }
 
 bool Qtm::ReadTimecode() noexcept {
@@ -173,7 +174,7 @@ bool Qtm::ReadTimecode() noexcept {
   return true;
 }
 
-void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
   if (qtm::DecodeFrame(payload, *frame_) != DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
@@ -201,7 +202,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     const qtm::SkeletonPose& segments = frame_->skeletons[k];
     Performer* performer = k < performers_.size() ? performers_[k].get() : nullptr;
     unknown = unknown || k >= performers_.size();
-    if (segments.segment_count == 0) continue;  // QTM does not see it
+    if (segments.segment_count == 0) continue;  // QTM does not see the skeleton
     if (performer == nullptr || !performer->skeleton.Convert(segments, performer->pose)) {
       unknown = unknown || performer != nullptr;
       out.Refuse(Counter::kPipelineBeforeBody);
@@ -209,7 +210,7 @@ void Qtm::TakeFrame(std::span<const std::byte> payload, std::int64_t now_ns, Out
     }
     performer->stream.Send(performer->pose, info, out);
   }
-  if (unknown) WantSkeletons(now_ns);
+  if (unknown) ScheduleSkeletons(now_ns);
 }
 
 std::unique_ptr<Translator> MakeQtm(const config::Source& config) {

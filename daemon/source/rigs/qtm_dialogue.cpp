@@ -1,4 +1,4 @@
-// The questions to QTM, and what its answers lead to.
+// The requests to QTM, and the handling of its answers.
 #include <algorithm>
 #include <array>
 
@@ -13,8 +13,9 @@ using runtime::Counter;
 using runtime::kSecond_ns;
 
 constexpr std::int64_t kAnswer_ns = 5 * kSecond_ns;  // QTM answers within milliseconds
-constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // questions that an operator has to make good
-// Pauses between reading skeletons anew: twice as long after each that changed nothing.
+constexpr std::int64_t kAgain_ns = 5 * kSecond_ns;   // requests whose failure an operator has to
+                                                     // fix
+// Pauses between readings of the skeletons: each reading that changes nothing doubles the pause.
 constexpr std::int64_t kFirstPause_ns = kSecond_ns, kLongestPause_ns = 60 * kSecond_ns;
 constexpr std::string_view kAllParameters = "GetParameters General 3D Skeleton";
 
@@ -26,7 +27,7 @@ void Qtm::Connected(std::int64_t now_ns) {
   timecode_wanted_ = true;
   asked_.clear();
   fault_.clear();
-  said_.Forget(now_ns);
+  logged_.Forget(now_ns);
   frequency_hz_.reset();
   up_ = qtm::Axis::kZ;
   answer_ns_ = now_ns + kAnswer_ns;
@@ -40,8 +41,8 @@ void Qtm::Tick(std::int64_t now_ns, Outbox& out) {
     again_ns_ = kNever;
     Enter(stage_, now_ns, out);
   }
-  if (now_ns >= reread_ns_) AskForSkeletons(now_ns, out);
-  if (now_ns >= silence_ns_) SayThatNoFrameCame(out);
+  if (now_ns >= reread_ns_) RequestSkeletons(now_ns, out);
+  if (now_ns >= silence_ns_) ReportNoFrame(out);
   if (now_ns < answer_ns_) return;
   answer_ns_ = kNever;
   out.LeaveHotSection();
@@ -51,7 +52,7 @@ void Qtm::Tick(std::int64_t now_ns, Outbox& out) {
                           : "did not answer \"" + asked_ + "\" within " + seconds;
 }
 
-// Asks the stage's question.
+// Sends the stage's request.
 void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
   stage_ = stage;
   switch (stage) {
@@ -65,7 +66,7 @@ void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
     case Stage::kSpace:
       return Ask("GetParameters 3D", now_ns, out);
     case Stage::kSkeletons:
-      return AskForSkeletons(now_ns, out);
+      return RequestSkeletons(now_ns, out);
     case Stage::kStreaming:
       return StartStream(now_ns, out);
   }
@@ -73,7 +74,8 @@ void Qtm::Enter(Stage stage, std::int64_t now_ns, Outbox& out) {
 
 void Qtm::Ask(std::string_view command, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
-  asked_ = command;  // has room for every question, so that none that frames cause allocates
+  asked_ = command;  // has room for every request, so that requests caused by frames do not
+                     // allocate
   answer_ns_ = now_ns + kAnswer_ns;
   Send(command, out);
 }
@@ -84,18 +86,19 @@ void Qtm::Send(std::string_view command, Outbox& out) noexcept {
             std::span(buffer).first(qtm::EncodeText(PacketType::kCommand, command, buffer)));
 }
 
-void Qtm::AskForSkeletons(std::int64_t now_ns, Outbox& out) {
+void Qtm::RequestSkeletons(std::int64_t now_ns, Outbox& out) {
   reread_ns_ = kNever;
-  // Nobody wanted them as soon as they might have been read.
+  // No frame has requested them since they could have been read.
   if (now_ns - asked_skeletons_ns_ >= 2 * reread_pause_ns_) reread_pause_ns_ = kFirstPause_ns;
   asked_skeletons_ns_ = now_ns;
   const bool all = stage_ == Stage::kStreaming && !only_skeletons_;
   Ask(all ? kAllParameters : "GetParameters Skeleton", now_ns, out);
 }
 
-// Not while an error might be the answer to StreamFrames: nothing in it says what it answers.
-void Qtm::WantSkeletons(std::int64_t now_ns) noexcept {
-  if (stage_ != Stage::kStreaming || IsAsking()) return;  // what was asked will be answered
+// Not while an error might be the answer to StreamFrames: an error does not say which request it
+// answers.
+void Qtm::ScheduleSkeletons(std::int64_t now_ns) noexcept {
+  if (stage_ != Stage::kStreaming || IsAsking()) return;  // the pending request will be answered
   const std::int64_t stream_ns = stream_confirmed_ ? now_ns : stream_ns_ + kAnswer_ns;
   reread_ns_ =
       std::min(reread_ns_, std::max({now_ns, asked_skeletons_ns_ + reread_pause_ns_, stream_ns}));
@@ -103,7 +106,7 @@ void Qtm::WantSkeletons(std::int64_t now_ns) noexcept {
 
 void Qtm::EndReread(bool changed, std::int64_t now_ns) noexcept {
   reread_pause_ns_ = changed ? kFirstPause_ns : std::min(2 * reread_pause_ns_, kLongestPause_ns);
-  // Somebody may add one.
+  // An operator may add a skeleton.
   if (performers_.empty()) reread_ns_ = now_ns + kAgain_ns;
 }
 
@@ -112,7 +115,7 @@ std::string_view Qtm::StreamCommand() const noexcept {
                           : "StreamFrames AllFrames Skeleton";
 }
 
-// There is no answer but frames, which come when a measurement runs, or an error.
+// The only answer is frames, which arrive when a measurement runs, or an error.
 void Qtm::StartStream(std::int64_t now_ns, Outbox& out) {
   Send(StreamCommand(), out);
   stream_ns_ = now_ns;
@@ -128,11 +131,11 @@ void Qtm::ConfirmStream(std::int64_t now_ns) noexcept {
   no_measurement_ = false;
   silence_ns_ = kNever;
   if (reread_ns_ == kNever) return;
-  reread_ns_ = kNever;  // waited for this
-  WantSkeletons(now_ns);
+  reread_ns_ = kNever;  // this was the awaited answer
+  ScheduleSkeletons(now_ns);
 }
 
-void Qtm::SayThatNoFrameCame(Outbox& out) {
+void Qtm::ReportNoFrame(Outbox& out) {
   silence_ns_ = kNever;
   silence_said_ = true;
   out.LeaveHotSection();
@@ -142,18 +145,18 @@ void Qtm::SayThatNoFrameCame(Outbox& out) {
                                   : " sent no frame within " + seconds +
                                         " s: frames come when a measurement runs in QTM, or a file "
                                         "plays in real time");
-  if (said_.Add(text)) out.News([&text] { return text; });
+  if (logged_.Add(text)) out.Notice([&text] { return text; });
 }
 
 void Qtm::Say(const std::string& text, Outbox& out) {
   out.LeaveHotSection();
-  if (said_.Add(text)) out.Note([&text] { return text; });
+  if (logged_.Add(text)) out.Note([&text] { return text; });
 }
 
-void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleText(std::string_view text, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
   if (qtm::IsGreeting(text)) {
-    Connected(now_ns);  // a recording says in no other way that the connection is another one
+    Connected(now_ns);  // a recording has no other sign of a new connection
     return Enter(Stage::kVersion, now_ns, out);
   }
   if (stage_ == Stage::kGreeting) {
@@ -161,12 +164,12 @@ void Qtm::TakeText(std::string_view text, std::int64_t now_ns, Outbox& out) {
              std::string(qtm::kGreeting) + "\"";
     return;
   }
-  if (stage_ == Stage::kVersion) return TakeVersion(text, now_ns, out);
+  if (stage_ == Stage::kVersion) return HandleVersion(text, now_ns, out);
   out.Refuse(Counter::kSourceIgnored);
 }
 
-void Qtm::TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out) {
-  if (qtm::TakesVersion(answer)) return Enter(Stage::kGeneral, now_ns, out);
+void Qtm::HandleVersion(std::string_view answer, std::int64_t now_ns, Outbox& out) {
+  if (qtm::AcceptsVersion(answer)) return Enter(Stage::kGeneral, now_ns, out);
   if (minor_ > qtm::kOldestMinor) {
     --minor_;
     return Enter(Stage::kVersion, now_ns, out);
@@ -176,7 +179,7 @@ void Qtm::TakeVersion(std::string_view answer, std::int64_t now_ns, Outbox& out)
            " (skeletons need QTM 2019 or later); it answered \"" + qtm::ToString(answer) + "\"";
 }
 
-void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
+void Qtm::HandleError(std::string_view text, std::int64_t now_ns, Outbox& out) {
   out.LeaveHotSection();
   const std::string words = '"' + qtm::ToString(text) + '"';
   switch (stage_) {
@@ -184,7 +187,7 @@ void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
       fault_ = "refuses: " + words;
       return;
     case Stage::kVersion:
-      return TakeVersion(text, now_ns, out);
+      return HandleVersion(text, now_ns, out);
     case Stage::kGeneral:
       Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
       return Enter(Stage::kSpace, now_ns, out);
@@ -203,14 +206,14 @@ void Qtm::TakeError(std::string_view text, std::int64_t now_ns, Outbox& out) {
 
 void Qtm::RefuseReread(const std::string& words, std::int64_t now_ns, Outbox& out) {
   answer_ns_ = kNever;
-  // Perhaps it lacks one of the others: skeletons matter most.
+  // The server may lack one of the other sections; the skeletons matter most.
   if (asked_ == kAllParameters) {
     only_skeletons_ = true;
-    return AskForSkeletons(now_ns, out);
+    return RequestSkeletons(now_ns, out);
   }
   Say(Server() + " answers \"" + asked_ + "\" with " + words, out);
   EndReread(false, now_ns);
-  WantSkeletons(now_ns + kAgain_ns);
+  ScheduleSkeletons(now_ns + kAgain_ns);
 }
 
 void Qtm::RefuseStream(const std::string& words, std::int64_t now_ns, Outbox& out) {

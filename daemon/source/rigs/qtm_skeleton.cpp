@@ -21,7 +21,7 @@ Vec3 PositionOf(const qtm::Segment& segment) {
   return {segment.position_mm[0], segment.position_mm[1], segment.position_mm[2]};
 }
 
-// Zero length or not finite: no rotation.
+// Zero length or not finite: not a rotation.
 bool IsRotation(const Quat& q) {
   const float length2 = q.squaredNorm();
   return std::isfinite(length2) && length2 > 1e-6F;
@@ -39,7 +39,7 @@ std::string AsciiName(std::string name) {
 Quat YUpFrom(qtm::Axis up) {
   const std::array<Vec3, 6> axes{Vec3::UnitX(),        Vec3::UnitY(),        Vec3::UnitZ(),
                                  Vec3(-Vec3::UnitX()), Vec3(-Vec3::UnitY()), Vec3(-Vec3::UnitZ())};
-  // Upside down there is no shortest way; this one is about x.
+  // Upside down, there is no shortest rotation; this one is about x.
   if (up == qtm::Axis::kMinusY) return {0, 1, 0, 0};
   return body::ShortestTurn(axes[static_cast<std::size_t>(up)], Vec3::UnitY()).normalized();
 }
@@ -71,7 +71,7 @@ Result<QtmSkeleton> QtmSkeleton::Make(const qtm::SkeletonDescription& descriptio
     const auto& r = segment.rotation;
     const Quat rotation = Quat(Eigen::Quaterniond(r[3], r[0], r[1], r[2]).cast<float>());
     if (!IsRotation(rotation)) {
-      return refuse("segment " + name + ": the rotation of its T-pose is none");
+      return refuse("segment " + name + ": its T-pose has no valid rotation");
     }
     skeleton.names.push_back(std::move(name));
     skeleton.parents.push_back(segment.parent);

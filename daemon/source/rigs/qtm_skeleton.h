@@ -22,13 +22,13 @@ class QtmSkeleton {
   // id, a T-pose without a rotation.
   static Result<QtmSkeleton> Make(const qtm::SkeletonDescription& description, qtm::Axis up);
 
-  // Millimetres; the T-pose's rotations from the description, so any joint names that are known
-  // will do.
+  // Millimetres; the rest rotations come from the description's T-pose, so any known joint names
+  // are accepted.
   const rig::RigBody& body() const { return body_; }
 
-  // Converts local rotations and the root's position. A joint whose segment is missing, or not
-  // tracked, becomes NaN; a root that is not tracked leaves `pose.translations` unchanged. Returns
-  // false if `segments` has none of this skeleton's ids: it is another one.
+  // Converts local rotations and the root's position. A joint whose segment is missing or not
+  // tracked becomes NaN; a root that is not tracked leaves `pose.translations` unchanged. Returns
+  // false if `segments` has none of this skeleton's ids and therefore belongs to another skeleton.
   STYLED_REALTIME bool Convert(const qtm::SkeletonPose& segments,
                                rig::RigPose& pose) const noexcept;
 

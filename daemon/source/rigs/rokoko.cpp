@@ -22,8 +22,8 @@ using rokoko::kJoints;
 using runtime::Counter;
 using Joints = std::bitset<kJoints>;
 
-constexpr std::size_t kMaxActors = 64;  // of all senders
-// A smaller step back in time means a late frame, unless kOldFrames such frames come in a row.
+constexpr std::size_t kMaxActors = 64;  // for all senders
+// A smaller step back in time means a late frame, unless kOldFrames such frames occur in a row.
 constexpr double kRestart_s = 1;
 constexpr int kOldFrames = 5;
 
@@ -59,8 +59,8 @@ class Actor {
   std::int64_t seen_ns() const { return seen_ns_; }
   const std::string& performer() const { return stream_.performer(); }
 
-  void Take(const rokoko::Actor& actor, const PropList& props, double time_s, std::int64_t now_ns,
-            Outbox& out) {
+  void Handle(const rokoko::Actor& actor, const PropList& props, double time_s, std::int64_t now_ns,
+              Outbox& out) {
     seen_ns_ = now_ns;
     const Joints usable = Usable(actor);
     if (!stream_.has_body() && !usable[kHip]) return out.Refuse(Counter::kSourceIncomplete);
@@ -118,7 +118,7 @@ class Actor {
       joint_of_.push_back(j);
       positions.push_back(Mirrored(actor.joints[j].position_m));
     }
-    TakeRotations(actor, usable);
+    CopyRotations(actor, usable);
     body.skeleton.offsets.resize(joint_of_.size());
     OffsetsFromWorld(body.skeleton.parents, positions, world_, body.skeleton.offsets);
     stream_.SetBody(body, out);
@@ -127,7 +127,7 @@ class Actor {
   }
 
   // World rotations of the body's joints, right-handed; NaN where the frame has none.
-  void TakeRotations(const rokoko::Actor& actor, const Joints& usable) {
+  void CopyRotations(const rokoko::Actor& actor, const Joints& usable) {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     world_.resize(joint_of_.size());
     for (std::size_t i = 0; i < joint_of_.size(); ++i) {
@@ -139,7 +139,7 @@ class Actor {
 
   void Send(const rokoko::Actor& actor, const Joints& usable, const PropList& props, double time_s,
             std::int64_t now_ns, Outbox& out) {
-    TakeRotations(actor, usable);
+    CopyRotations(actor, usable);
     LocalFromWorld(stream_.body().skeleton.parents, world_, pose_);
     if (actor.has[kHip]) pose_.translations.front() = Mirrored(actor.joints[kHip].position_m);
     PerformerStream::FrameInfo info;
@@ -173,28 +173,29 @@ class Rokoko final : public Translator {
       : unnamed_(config.performer.empty() ? config.name : config.performer),
         presets_(config.expressions == "vrm") {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (decoder_.Decode(datagram, frame_) != rokoko::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     for (int k = 0; k < frame_.actors_left_out; ++k) {
       out.Refuse(Counter::kPipelinePerformersRefused);
     }
-    TakeProps(out);
+    CopyProps(out);
     for (int k = 0; k < frame_.actor_count; ++k) {
       Actor* actor = Find(k, peer, now_ns, out);
       if (actor == nullptr) {
         out.Refuse(Counter::kPipelinePerformersRefused);
       } else {
-        actor->Take(frame_.actors[static_cast<std::size_t>(k)], props_, frame_.time_s, now_ns, out);
+        actor->Handle(frame_.actors[static_cast<std::size_t>(k)], props_, frame_.time_s, now_ns,
+                      out);
       }
     }
   }
 
  private:
   // The scene's props, made right-handed.
-  void TakeProps(Outbox& out) noexcept {
+  void CopyProps(Outbox& out) noexcept {
     for (int k = 0; k < frame_.props_left_out; ++k) out.Refuse(Counter::kPipelinePropsLeftOut);
     props_.count = 0;
     for (std::size_t k = 0; k < static_cast<std::size_t>(frame_.prop_count); ++k) {
@@ -230,10 +231,10 @@ class Rokoko final : public Translator {
   std::string FreeName(std::string_view name, std::uint64_t peer) const {
     std::string free = name.empty() ? unnamed_ : MakeName(name);
     const std::string stem = free.substr(0, 28);
-    for (int i = 2; Taken(free, peer); ++i) free = stem + "-" + std::to_string(i);
+    for (int i = 2; IsInUse(free, peer); ++i) free = stem + "-" + std::to_string(i);
     return free;
   }
-  bool Taken(const std::string& name, std::uint64_t peer) const {
+  bool IsInUse(const std::string& name, std::uint64_t peer) const {
     return std::any_of(actors_.begin(), actors_.end(), [&](const auto& other) {
       return other->peer() == peer && other->performer() == name;
     });

@@ -13,7 +13,7 @@ namespace styled::source {
 // Performer   Each actor of each sender, up to 64: its name in Studio, else `performer`, else the
 //             source's name; NAME-2, ... where a name is taken.
 // Body        The joints of the first frame that has a hip, in metres, made right-handed (mirrored
-//             through x = 0), +Y up, dialect "rokoko". Made anew when joints are added (gloves) or
+//             through x = 0), +Y up, dialect "rokoko". Made again when joints are added (gloves) or
 //             the actor's hip height changes. A joint that a later frame lacks is not tracked.
 // Face        Of an actor with a face: ARKit's 52 expressions, or VRM's presets (`expressions`).
 // Props       Of the scene, for every actor: name and pose, mirrored as the joints.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <random>
 
 #include "daemon/runtime/clock.h"
@@ -23,10 +22,10 @@ using runtime::Counter;
 constexpr std::size_t kMaxDevices = 64;
 constexpr std::int64_t kHeartbeat_ns = runtime::kSecond_ns / 2;
 constexpr std::int64_t kSilent_ns = 5 * runtime::kSecond_ns;
-// A tracker is live, and bound to its address, until it was silent for so long. It replies to a
-// heartbeat and a ping every kHeartbeat_ns, so four of each would be lost, more than in Wi-Fi's
-// bursts. A tracker that turns up elsewhere either searched for a server after 3 s without this
-// one, or was switched off.
+// A tracker is live, and bound to its address, until it was silent for this long. It replies to a
+// heartbeat and a ping every kHeartbeat_ns, so silence means that four of each were lost, more than
+// in Wi-Fi's bursts. A tracker that appears at another address either searched for a server after 3
+// s without this one, or was switched off.
 constexpr std::int64_t kTakeover_ns = 2 * runtime::kSecond_ns;
 // From this protocol on every sensor is announced before use; older firmware has one sensor.
 constexpr std::uint32_t kAnnouncesSensors = 9;
@@ -77,8 +76,8 @@ class SlimeVr final : public Translator {
     has_table_ = !devices_.empty();
   }
 
-  void Take(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (slimevr::Decode(bytes, datagram_) != slimevr::UdpResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
@@ -88,12 +87,12 @@ class SlimeVr final : public Translator {
       if (handshake != nullptr) return Greet(*handshake, peer, now_ns, out);
     }
     Device* device = At(peer);
-    // A tracker that knows another server: it gives up after 3 s and sends a handshake.
+    // A tracker that is bound to another server: it gives up after 3 s and sends a handshake.
     if (device == nullptr) return out.Refuse(Counter::kSourceIgnored);
     if (!IsNext(*device, now_ns, out)) return;
     device->heard_ns = now_ns;
     if (datagram_.unknown > 0) out.Refuse(Counter::kSourceIgnored);
-    for (const slimevr::Packet& packet : packets) TakePacket(packet, *device, now_ns, out);
+    for (const slimevr::Packet& packet : packets) HandlePacket(packet, *device, now_ns, out);
   }
 
   void Tick(std::int64_t now_ns, Outbox& out) override {
@@ -152,7 +151,7 @@ class SlimeVr final : public Translator {
     }
     if (device == nullptr) {
       device = here != nullptr && !here->configured ? here : FindRoom(now_ns);
-      if (device == nullptr) return SayFull(address, peer, now_ns, out);
+      if (device == nullptr) return ReportFull(address, peer, now_ns, out);
       *device = Device();
       device->address = address;
     }
@@ -176,7 +175,7 @@ class SlimeVr final : public Translator {
   void RefuseTakeover(const Device& live, std::uint64_t address, const Peer& peer,
                       std::int64_t now_ns, Outbox& out) {
     out.Refuse(Counter::kSourceTakeovers);
-    const std::uint64_t times = takeover_notes_.Take(now_ns);
+    const std::uint64_t times = takeover_notes_.Count(now_ns);
     if (times == 0) return;
     out.Note([&] {
       return "tracker " + slimevr::ToText({live.address, 0}) + " is live at " +
@@ -188,10 +187,10 @@ class SlimeVr final : public Translator {
     });
   }
 
-  // A new device, or the one that was silent for longest. Null if all devices are live or reserved
-  // by the configuration.
+  // A place for a new device: a free one, or that of the device that was silent for longest. Null
+  // if all devices are live or reserved by the configuration.
   Device* FindRoom(std::int64_t now_ns) {
-    // Never reallocates: reserved.
+    // Never reallocates, because the capacity is reserved.
     if (devices_.size() < kMaxDevices) return &devices_.emplace_back();
     Device* oldest = nullptr;
     for (Device& device : devices_) {
@@ -203,15 +202,15 @@ class SlimeVr final : public Translator {
     return oldest;
   }
 
-  void SayFull(std::uint64_t address, const Peer& peer, std::int64_t now_ns, Outbox& out) {
+  void ReportFull(std::uint64_t address, const Peer& peer, std::int64_t now_ns, Outbox& out) {
     out.Refuse(Counter::kSourceTableFull);
-    const std::uint64_t times = full_notes_.Take(now_ns);
+    const std::uint64_t times = full_notes_.Count(now_ns);
     if (times == 0) return;
     out.Note([&] {
       return "there is room for " + std::to_string(kMaxDevices) +
              " trackers, all of it taken: " + slimevr::ToText({address, 0}) + " from " +
              AddressText(peer.address, peer.address_size) +
-             " is refused; those named in `trackers` have a place kept" + Times(times);
+             " is refused; those named in `trackers` have a reserved place" + Times(times);
     });
   }
 
@@ -228,7 +227,7 @@ class SlimeVr final : public Translator {
       return false;
     }
     if (number < device.number_before_greeting) {
-      if (const std::uint64_t times = restart_notes_.Take(now_ns)) {
+      if (const std::uint64_t times = restart_notes_.Count(now_ns)) {
         out.Note([&] {
           return "tracker " + slimevr::ToText({device.address, 0}) +
                  " was switched on again: its heading is lost until the next reset" + Times(times);
@@ -247,13 +246,14 @@ class SlimeVr final : public Translator {
         static_cast<std::int8_t>(rig_.PartOf({device.address, sensor}, position, now_ns, out));
   }
 
-  void TakePacket(const slimevr::Packet& packet, Device& device, std::int64_t now_ns, Outbox& out) {
+  void HandlePacket(const slimevr::Packet& packet, Device& device, std::int64_t now_ns,
+                    Outbox& out) {
     if (const auto* p = std::get_if<slimevr::Rotation>(&packet)) {
-      if (p->kind == 1) TakeOrientation(device, p->sensor, p->orientation, now_ns, out);
+      if (p->kind == 1) HandleOrientation(device, p->sensor, p->orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::RotationAndAcceleration>(&packet)) {
-      TakeOrientation(device, p->sensor, p->motion.orientation, now_ns, out);
+      HandleOrientation(device, p->sensor, p->motion.orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::LegacyRotation>(&packet)) {
-      TakeOrientation(device, p->sensor, p->orientation, now_ns, out);
+      HandleOrientation(device, p->sensor, p->orientation, now_ns, out);
     } else if (const auto* p = std::get_if<slimevr::SensorInfo>(&packet)) {
       Announce(device, p->sensor, p->position, now_ns, out);
       Answer(slimevr::SensorInfoAck{p->sensor, p->status}, device.peer, out);
@@ -268,11 +268,12 @@ class SlimeVr final : public Translator {
     }
   }
 
-  void TakeOrientation(Device& device, std::uint8_t sensor, const slimevr::Orientation& orientation,
-                       std::int64_t now_ns, Outbox& out) {
+  void HandleOrientation(Device& device, std::uint8_t sensor,
+                         const slimevr::Orientation& orientation, std::int64_t now_ns,
+                         Outbox& out) {
     const int part = device.parts[sensor];
     if (part < 0) return out.Refuse(Counter::kSourceIgnored);
-    rig_.Take(body::Joint(part), orientation, now_ns);
+    rig_.Accept(body::Joint(part), orientation, now_ns);
   }
 
   // If the configuration names trackers, buttons of all others are ignored.
@@ -290,7 +291,7 @@ class SlimeVr final : public Translator {
       default:
         return out.Refuse(Counter::kSourceIgnored);
     }
-    if ((has_table_ && !device.configured) || buttons_.Take(now_ns) == 0) {
+    if ((has_table_ && !device.configured) || buttons_.Count(now_ns) == 0) {
       return out.Refuse(Counter::kSourceIgnored);
     }
     out.LeaveHotSection();
@@ -303,7 +304,7 @@ class SlimeVr final : public Translator {
   void Complain(Device& device, const slimevr::Error& error, std::int64_t now_ns, Outbox& out) {
     if (device.complained) return;
     device.complained = true;
-    const std::uint64_t times = error_notes_.Take(now_ns);
+    const std::uint64_t times = error_notes_.Count(now_ns);
     if (times == 0) return;
     out.Note([&] {
       return "tracker " + slimevr::ToText({device.address, error.sensor}) + " reports error " +
@@ -319,7 +320,7 @@ class SlimeVr final : public Translator {
   bool has_table_ = false;  // the configuration names trackers
   NoteLimit takeover_notes_, full_notes_;
   NoteLimit restart_notes_{kMaxDevices}, error_notes_{kMaxDevices};  // all devices at once
-  NoteLimit buttons_{8};  // resets; nobody presses a button more often in good faith
+  NoteLimit buttons_{8};  // limits resets; an operator does not press a button more often
 };
 
 }  // namespace

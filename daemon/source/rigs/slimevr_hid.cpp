@@ -15,7 +15,7 @@ using runtime::Counter;
 
 constexpr std::size_t kMaxReceivers = 16;
 
-// One opening of a receiver, with its registered trackers by number.
+// One receiver since it was opened, with its registered trackers by number.
 struct Receiver {
   struct Tracker {
     std::optional<std::uint64_t> address;
@@ -32,8 +32,8 @@ class SlimeVrHid final : public Translator {
     receivers_.reserve(kMaxReceivers);
   }
 
-  void Take(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> bytes, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (slimevr::DecodeReport(bytes, report_) != slimevr::ReportResult::kOk || report_.count == 0) {
       return out.Refuse(Counter::kUsbBadReports);
     }
@@ -41,7 +41,7 @@ class SlimeVrHid final : public Translator {
     Receiver& receiver = ReceiverOf(peer);
     receiver.heard_ns = now_ns;
     for (const auto& record : std::span(report_.records).first(report_.count)) {
-      TakeRecord(record, receiver.trackers[record.tracker], now_ns, out);
+      HandleRecord(record, receiver.trackers[record.tracker], now_ns, out);
     }
   }
 
@@ -53,7 +53,7 @@ class SlimeVrHid final : public Translator {
   }
 
  private:
-  // If all places are taken, the receiver that was silent for longest is forgotten.
+  // If all places are in use, the receiver that was silent for longest is removed.
   Receiver& ReceiverOf(const Peer& peer) {
     const auto found = std::ranges::find(receivers_, peer.id, &Receiver::peer);
     if (found != receivers_.end()) return *found;
@@ -65,8 +65,8 @@ class SlimeVrHid final : public Translator {
     return fresh;
   }
 
-  void TakeRecord(const slimevr::Record& record, Receiver::Tracker& tracker, std::int64_t now_ns,
-                  Outbox& out) {
+  void HandleRecord(const slimevr::Record& record, Receiver::Tracker& tracker, std::int64_t now_ns,
+                    Outbox& out) {
     if (const auto* registration = std::get_if<slimevr::Registration>(&record.body)) {
       if (tracker.address == registration->address) return;
       tracker = {registration->address, rig_.PartOf({registration->address, 0}, 0, now_ns, out)};
@@ -75,7 +75,7 @@ class SlimeVrHid final : public Translator {
     const slimevr::Orientation* orientation = slimevr::OrientationOf(record);
     if (orientation == nullptr) return;
     if (tracker.part == TrackerRig::kUnassigned) return out.Refuse(Counter::kSourceIgnored);
-    rig_.Take(body::Joint(tracker.part), *orientation, now_ns);
+    rig_.Accept(body::Joint(tracker.part), *orientation, now_ns);
   }
 
   TrackerRig rig_;

@@ -17,20 +17,20 @@ class SolvedStream {
  public:
   explicit SolvedStream(const config::Source& config);
 
-  // A tracker was heard: frames begin, if there are none.
+  // A tracker sent data: frames begin, unless they already have.
   STYLED_REALTIME void Wake(std::int64_t now_ns) noexcept {
     if (next_frame_ns_ == Translator::kNever) next_frame_ns_ = now_ns;
   }
-  // Sends the frames that are due. `solve(time_ns, body::Pose&)` gives the pose of `time_ns`, or
-  // false; a frame's source time is `delay_ns` earlier. Frames due more than 100 ms ago are left
-  // out and counted as lost.
+  // Sends the frames that are due. `solve(time_ns, body::Pose&)` writes the pose of `time_ns`, or
+  // returns false; a frame's source time is `delay_ns` earlier. Frames due more than 100 ms ago are
+  // left out and counted as lost.
   template <typename Solve>
   void Tick(std::int64_t now_ns, std::int64_t delay_ns, Outbox& out, const Solve& solve) {
     if (next_frame_ns_ > now_ns) return;
     std::uint64_t lost = SkipOld(now_ns);
     while (next_frame_ns_ <= now_ns) {
       if (!solve(next_frame_ns_, solved_)) {
-        next_frame_ns_ = Translator::kNever;  // until a tracker is heard again
+        next_frame_ns_ = Translator::kNever;  // until a tracker sends data again
         return;
       }
       SendFrame(next_frame_ns_ - delay_ns, now_ns, lost, out);

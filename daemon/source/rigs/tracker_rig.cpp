@@ -82,8 +82,8 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
                        Outbox& out) {
   const auto row = std::ranges::find(assigned_, id, &Known::id);
   if (row != assigned_.end()) {
-    if (!row->said) SayPart(id, row->part, now_ns, out);
-    row->said = true;
+    if (!row->logged) ReportPart(id, row->part, now_ns, out);
+    row->logged = true;
     return row->part;
   }
   const auto found = std::ranges::find(known_, id, &Known::id);
@@ -94,19 +94,20 @@ int TrackerRig::PartOf(const slimevr::TrackerId& id, int position, std::int64_t 
     found->part = part;
   } else {
     out.LeaveHotSection();
-    // Trackers can be forged, so one without a joint is replaced. There are fewer joints than
+    // Trackers can be forged, so a tracker without a joint is replaced. There are fewer joints than
     // kMaxKnown.
     if (known_.size() == kMaxKnown) {
       known_.erase(std::ranges::find(known_, kUnassigned, &Known::part));
     }
     known_.push_back({id, part});
   }
-  SayPart(id, part, now_ns, out);
+  ReportPart(id, part, now_ns, out);
   return part;
 }
 
-void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out) {
-  const std::uint64_t times = part == kUnassigned ? strangers_.Take(now_ns) : 1;
+void TrackerRig::ReportPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns,
+                            Outbox& out) {
+  const std::uint64_t times = part == kUnassigned ? strangers_.Count(now_ns) : 1;
   if (times == 0) return;
   out.Note([&] {
     return "tracker " + slimevr::ToText(id) +
@@ -114,24 +115,24 @@ void TrackerRig::SayPart(const slimevr::TrackerId& id, int part, std::int64_t no
                                 : " is worn on " + PartName(part)) +
            (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : "");
   });
-  if (part != kUnassigned && !told_to_calibrate_) {
+  if (part != kUnassigned && !calibration_requested_) {
     out.Note([] {
       return "to be calibrated: a full reset, while the performer stands in a T-pose, looking "
              "ahead";
     });
-    told_to_calibrate_ = true;
+    calibration_requested_ = true;
   }
 }
 
 // The sensors' world is +Z up. A rotation by -90 degrees about x, as in SlimeVR's server, makes it
 // +Y up.
-void TrackerRig::Take(body::Joint part, const slimevr::Orientation& orientation,
-                      std::int64_t now_ns) noexcept {
+void TrackerRig::Accept(body::Joint part, const slimevr::Orientation& orientation,
+                        std::int64_t now_ns) noexcept {
   if (!orientation.usable) return;
   constexpr float kHalfRoot = 0.70710678F;
   const rig::Quat y_up_from_z_up(kHalfRoot, -kHalfRoot, 0, 0);
   const auto& q = orientation.rotation;
-  trackers_.Take(part, now_ns, (y_up_from_z_up * rig::Quat(q[3], q[0], q[1], q[2])).normalized());
+  trackers_.Add(part, now_ns, (y_up_from_z_up * rig::Quat(q[3], q[0], q[1], q[2])).normalized());
   stream_.Wake(now_ns);
 }
 
@@ -157,7 +158,7 @@ Status TrackerRig::Calibrate(Calibration what, std::int64_t now_ns) {
       break;
     case Calibration::kMounting:
       outcome = trackers_.ResetMounting(now_ns);
-      why = " had no full reset, or did not turn as a skier's do since";
+      why = " had no full reset, or did not turn as in the ski pose since";
       break;
   }
   if (outcome.done == 0) {

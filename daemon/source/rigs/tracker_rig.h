@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,7 +18,7 @@ namespace styled::source {
 // One performer who carries SlimeVR's trackers, however their records arrive (UDP, or the receiver
 // on USB). Passes the records to the body solver and sends its poses at config.rate_hz, as body
 // "canonical" in metres: the rest pose until the first full reset, nothing while all trackers are
-// silent. Each reset starts a new session, because the pose jumps. Pipeline thread; Take and Tick
+// silent. Each reset starts a new session, because the pose jumps. Pipeline thread; Accept and Tick
 // do not allocate once the first frame was sent. Pinned by tests/unit/slimevr/tracker_rig_test.cpp.
 class TrackerRig {
  public:
@@ -28,15 +27,15 @@ class TrackerRig {
   static constexpr int kUnassigned = -1;
   // The joint that carries the tracker: as configured; else, if no other tracker has that joint,
   // the one that the tracker itself reports (`position`, SlimeVR's TrackerPosition; 0: none). Logs
-  // the result the first time; for trackers on no joint, which anybody can forge, at most one line
-  // a second after the first kMaxKnown / 4. Allocates: keep the result.
+  // the result the first time. For trackers without a joint, which anyone can forge, it logs at
+  // most one line a second after the first kMaxKnown / 4. Allocates: keep the result.
   int PartOf(const slimevr::TrackerId& id, int position, std::int64_t now_ns, Outbox& out);
 
   // The addresses of the devices that the configuration names, each once.
   std::vector<std::uint64_t> ConfiguredDevices() const;
 
-  STYLED_REALTIME void Take(body::Joint part, const slimevr::Orientation& orientation,
-                            std::int64_t now_ns) noexcept;
+  STYLED_REALTIME void Accept(body::Joint part, const slimevr::Orientation& orientation,
+                              std::int64_t now_ns) noexcept;
   void Tick(std::int64_t now_ns, Outbox& out);
   std::int64_t NextDeadline_ns() const { return stream_.NextDeadline_ns(); }
 
@@ -48,18 +47,18 @@ class TrackerRig {
   struct Known {
     slimevr::TrackerId id;
     int part = kUnassigned;
-    bool said = false;  // it is logged
+    bool logged = false;  // the result was logged
   };
   static constexpr std::size_t kMaxKnown = 256;
 
   int FreePart(int position) const;
-  void SayPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
+  void ReportPart(const slimevr::TrackerId& id, int part, std::int64_t now_ns, Outbox& out);
 
   std::vector<Known> assigned_;  // by the configuration
   std::vector<Known> known_;     // trackers that are not configured; oldest first
   NoteLimit strangers_{kMaxKnown / 4};
   std::string note_;  // for the log
-  bool told_to_calibrate_ = false;
+  bool calibration_requested_ = false;
   rig::Trackers::Options options_;
   rig::Trackers trackers_;
   SolvedStream stream_;

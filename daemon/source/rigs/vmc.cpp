@@ -24,11 +24,11 @@ using rig::Vec3;
 using runtime::Counter;
 using vmc::BoneSet;
 
-// Most frames made of one datagram. Senders put one frame, or a part of it, into each. The largest
-// datagram could hold 680, which is more work than the time of a frame allows.
+// The most frames made from one datagram. Senders put one frame, or a part of it, into each. The
+// largest datagram could hold 680 frames, which takes more time than one frame allows.
 constexpr int kMostFrames = 4;
 constexpr std::size_t kMaxSenders = 8;
-// Another avatar: bones that are kMoved_m away from where they were, and stay there.
+// Bones that moved by kMoved_m, and stay there, mean another avatar.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
 constexpr int kMovedFrames = 10;
 
@@ -42,7 +42,8 @@ float Distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return (ToVec3(a) - ToVec3(b)).norm();
 }
 
-// What of a source is merged into a performer: neither, for a source with performers of its own.
+// The parts of a source that are merged into a performer: none for a source with performers of its
+// own.
 struct Merged {
   bool face = false, fingers = false;
 };
@@ -61,7 +62,7 @@ class Sender {
   std::int64_t seen_ns() const { return seen_ns_; }
   std::int64_t deadline_ns() const { return assembler_.deadline_ns(); }
 
-  void Take(std::span<const std::byte> datagram, std::int64_t now_ns, Outbox& out) {
+  void Handle(std::span<const std::byte> datagram, std::int64_t now_ns, Outbox& out) {
     if (assembler_.Begin(datagram, now_ns) != vmc::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
@@ -104,7 +105,7 @@ class Sender {
   BoneSet bones_ = 0;          // the body's bones
   BoneSet before_ = 0;         // the last frame's bones
   BonePositions positions_{};  // each bone's last position
-  BonePositions told_{};       // the same when the body was made
+  BonePositions logged_{};     // the same when the body was made
   int moved_frames_ = 0;
   Vec3 root_position_ = Vec3::Zero(), hips_position_ = Vec3::Zero();
   Quat root_rotation_ = Quat::Identity();
@@ -146,7 +147,7 @@ void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out)
   stream_.Send(pose_, info, out);
 }
 
-// Notes positions and root. Values that are not finite are ignored.
+// Records positions and root. Values that are not finite are ignored.
 void Sender::Remember(const vmc::Frame& frame) {
   bool moved = false, steady = true;
   for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
@@ -155,12 +156,13 @@ void Sender::Remember(const vmc::Frame& frame) {
     const auto& position = frame.transforms[at].position;
     if (!ToVec3(position).allFinite()) continue;
     if (bone != vmc::kHips && vmc::Has(bones_, bone)) {
-      moved = moved || Distance(position, told_[at]) > kMoved_m;
+      moved = moved || Distance(position, logged_[at]) > kMoved_m;
       steady = steady && Distance(position, positions_[at]) < kSteady_m;
     }
     positions_[at] = position;
   }
-  // Of hands alone the places may be those in the room; lengths do not matter for fingers.
+  // If only hands are merged, their positions may be positions in the room; lengths do not matter
+  // for fingers.
   moved_frames_ = moved && steady && !merged_.fingers ? moved_frames_ + 1 : 0;
   hips_position_ = ToVec3(positions_[vmc::kHips]);
   if (!frame.has_root) return;
@@ -171,8 +173,8 @@ void Sender::Remember(const vmc::Frame& frame) {
 }
 
 // The bones that the body should have; 0 while that is unknown, because the first frame may be the
-// end of one. A bone that disappeared leaves the body only if no skeleton needs it. Fingers need no
-// more than hands, which the sender may leave out, and a root.
+// end of one. A bone that disappeared is removed from the body only if no skeleton needs it.
+// Fingers need only hands, which the sender may leave out, and a root.
 BoneSet Sender::Wanted(const vmc::Frame& frame) {
   if (merged_.fingers) {
     if (bones_ == 0 && frame.bones != before_) return 0;
@@ -190,7 +192,7 @@ BoneSet Sender::Wanted(const vmc::Frame& frame) {
 void Sender::SetBody(BoneSet bones, Outbox& out) {
   out.LeaveHotSection();
   bones_ = bones;
-  told_ = positions_;
+  logged_ = positions_;
   moved_frames_ = 0;
   stream_.SetBody(MakeVmcBody(bones, positions_), out);
   stream_.ReserveFace();
@@ -273,10 +275,10 @@ class Vmc final : public Translator {
                 config.Merges("leftFingers") || config.Merges("rightFingers")},
         devices_(config) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     for (const auto& sender : senders_) {
-      if (sender->peer() == peer.id) return sender->Take(datagram, now_ns, out);
+      if (sender->peer() == peer.id) return sender->Handle(datagram, now_ns, out);
     }
     if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
@@ -287,13 +289,13 @@ class Vmc final : public Translator {
     if (!useful) {
       const bool alone = !merged_.face && !merged_.fingers;
       const bool devices = devices_.IsSender(peer.id) || VmcDevices::HasDevice(datagram);
-      if (devices && alone) return devices_.Take(datagram, peer.id, now_ns, out);
+      if (devices && alone) return devices_.Handle(datagram, peer.id, now_ns, out);
       return out.Refuse(Counter::kSourceIgnored);
     }
     Sender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
     devices_.Forget(peer.id);
-    sender->Take(datagram, now_ns, out);
+    sender->Handle(datagram, now_ns, out);
   }
 
   void Tick(std::int64_t now_ns, Outbox& out) override {

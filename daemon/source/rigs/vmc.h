@@ -11,7 +11,8 @@ namespace styled::source {
 //
 // Transport   UDP, port 39540. A frame may be a bundle or single messages; at most four frames are
 //             made of one datagram.
-// Performer   One per port: `performer`, else the source's name. Up to 8 senders are told apart by
+// Performer   One per port: `performer`, else the source's name. Up to 8 senders are distinguished
+// by
 //             address and port, each admitted once it sent a bone; the pipeline admits one of them
 //             at a time.
 // Body        The humanoid bones that the sender sends, fingers and eyes among them, in metres,
@@ -19,7 +20,7 @@ namespace styled::source {
 //             humanoid's where those are all zero. It changes with the bones, and with an avatar of
 //             other measures (10 mm, steady for ten frames).
 // Pose        From Unity's left-handed axes, mirrored through x = 0; root and hips are composed.
-// Time        The sender's T in seconds; where there is none, the time of arrival goes on from it.
+// Time        The sender's T in seconds; where there is none, the time of arrival continues it.
 // Face        Expressions (256 blend shapes with UTF-8 names) and up to 8 messages under /VMC/Thru.
 // Merged      With `merge_into`, a face needs no bones, and fingers need no bones but a hand's. The
 //             rotation of the hand itself does not matter: senders of hands alone give it in the

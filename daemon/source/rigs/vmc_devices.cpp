@@ -10,8 +10,8 @@ namespace {
 
 using runtime::Counter;
 
-// A clock that falls by more than this is that of a sender that started again; by less, that of an
-// old datagram.
+// A clock that goes back by more than this belongs to a sender that restarted; by less, to an old
+// datagram.
 constexpr float kRestart_s = 1;
 
 // Calls `use(message)` for each message of the datagram.
@@ -45,7 +45,7 @@ bool VmcDevices::HasDevice(std::span<const std::byte> datagram) {
   return has;
 }
 
-// Counts a datagram of the past, and notes that the sender started again.
+// Counts an old datagram, and detects a restart of the sender.
 bool VmcDevices::IsOld(float time_s, Outbox& out) {
   if (!std::isfinite(time_s)) return false;
   const bool fell = has_time_ && time_s < time_s_;
@@ -59,8 +59,8 @@ bool VmcDevices::IsOld(float time_s, Outbox& out) {
   return false;
 }
 
-void VmcDevices::Take(std::span<const std::byte> datagram, std::uint64_t peer, std::int64_t now_ns,
-                      Outbox& out) {
+void VmcDevices::Handle(std::span<const std::byte> datagram, std::uint64_t peer,
+                        std::int64_t now_ns, Outbox& out) {
   if (vmc::osc::Check(datagram) != vmc::osc::Result::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
@@ -90,10 +90,10 @@ void VmcDevices::Take(std::span<const std::byte> datagram, std::uint64_t peer, s
     if (result != vmc::DecodeResult::kOk) return out.Refuse(Counter::kSourceMalformed);
     if (!proven) return;
     const bool is_head = device.kind == vmc::Device::Kind::kHmd;
-    rig_.Take({.name = device.serial,
-               .usual_part = is_head ? int{body::kHead} : devices::Seen::kUnknown,
-               .is_head = is_head},
-              FromUnity(device.transform), peer, now_ns, out);
+    rig_.Accept({.name = device.serial,
+                 .usual_part = is_head ? int{body::kHead} : devices::Seen::kUnknown,
+                 .is_head = is_head},
+                FromUnity(device.transform), peer, now_ns, out);
   });
 }
 

@@ -9,12 +9,12 @@
 
 namespace styled::source {
 
-// The VMC sender of a port that sends tracking devices and no bones: an assistant. The part of
-// vmc.h's translator that turns devices into a body. Pipeline thread.
+// The part of vmc.h's translator that turns tracking devices into a body, for a VMC sender that
+// sends devices and no bones (an assistant). Pipeline thread.
 class VmcDevices {
  public:
-  // A performer that sends bones sends its devices, too, in datagrams of their own. So devices
-  // count only after their sender sent no bone for this long.
+  // A performer that sends bones also sends its devices, in datagrams of their own. Devices
+  // therefore count only after their sender sent no bone for this long.
   static constexpr std::int64_t kProof_ns = 500'000'000;
 
   explicit VmcDevices(const config::Source& config) : rig_(config) {}
@@ -23,11 +23,11 @@ class VmcDevices {
   static bool HasDevice(std::span<const std::byte> datagram);
   bool IsSender(std::uint64_t peer) const { return peer_ != 0 && peer == peer_; }
 
-  // Takes a datagram of a sender without bones. A second such sender is refused while the first is
-  // not silent for DeviceRig::kSilent_ns.
-  void Take(std::span<const std::byte> datagram, std::uint64_t peer, std::int64_t now_ns,
-            Outbox& out);
-  // The sender turned out to send bones.
+  // Accepts a datagram of a sender without bones. A second such sender is refused until the first
+  // has been silent for DeviceRig::kSilent_ns.
+  void Handle(std::span<const std::byte> datagram, std::uint64_t peer, std::int64_t now_ns,
+              Outbox& out);
+  // The sender sent bones, so it is not an assistant.
   void Forget(std::uint64_t peer) {
     if (IsSender(peer)) peer_ = 0;
   }

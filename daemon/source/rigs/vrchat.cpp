@@ -55,8 +55,8 @@ class VrChat final : public Translator {
  public:
   explicit VrChat(const config::Source& config) : rig_(config) {}
 
-  void Take(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
-            Outbox& out) override {
+  void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
+              Outbox& out) override {
     if (vrchat::osc::Check(datagram) != vrchat::osc::Result::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
@@ -70,10 +70,10 @@ class VrChat final : public Translator {
       } else if (result != vrchat::DecodeResult::kOk) {
         out.Refuse(Counter::kSourceMalformed);
       } else if (const auto* tracker = std::get_if<vrchat::Tracker>(&message)) {
-        TakeTracker(*tracker, peer.id, now_ns, out);
+        HandleTracker(*tracker, peer.id, now_ns, out);
       } else if (const auto* pose = std::get_if<vrchat::SystemPose>(&message)) {
-        rig_.Take(kSystem[static_cast<std::size_t>(pose->device)],
-                  {PositionOf(pose->position), RotationOf(pose->euler)}, peer.id, now_ns, out);
+        rig_.Accept(kSystem[static_cast<std::size_t>(pose->device)],
+                    {PositionOf(pose->position), RotationOf(pose->euler)}, peer.id, now_ns, out);
       }
     }
   }
@@ -86,16 +86,16 @@ class VrChat final : public Translator {
   }
 
  private:
-  void TakeTracker(const vrchat::Tracker& tracker, std::uint64_t peer, std::int64_t now_ns,
-                   Outbox& out) {
+  void HandleTracker(const vrchat::Tracker& tracker, std::uint64_t peer, std::int64_t now_ns,
+                     Outbox& out) {
     const DeviceRig::Device& device = kNumbered[static_cast<std::size_t>(tracker.index)];
     const body::Quat no_rotation(kNan, kNan, kNan, kNan);
     if (!tracker.is_rotation) {
-      return rig_.Take(device, {PositionOf(tracker.values), no_rotation}, peer, now_ns, out);
+      return rig_.Accept(device, {PositionOf(tracker.values), no_rotation}, peer, now_ns, out);
     }
     if (tracker.index != vrchat::kHead) {
-      return rig_.Take(device, {body::Vec3::Constant(kNan), RotationOf(tracker.values)}, peer,
-                       now_ns, out);
+      return rig_.Accept(device, {body::Vec3::Constant(kNan), RotationOf(tracker.values)}, peer,
+                         now_ns, out);
     }
     const float yaw = tracker.values[1];
     if (!(std::abs(yaw) <= kMostDegrees)) return out.Refuse(Counter::kSourceMalformed);

@@ -18,8 +18,8 @@ namespace styled::source {
 //             Without `trackers` the numbers are worn as SlimeVR numbers them: 1 hips, 2 and 3 left
 //             and right foot, 4 and 5 upper legs, 6 chest, 7 and 8 upper arms. Several senders may
 //             share a port; each device belongs to one of them until it is silent for a second.
-// Head        Its position is that of the head's joint. Its rotation is no measurement: a sender
-//             tells by it, once per reset, where the performer looks.
+// Head        Its position is that of the head's joint. Its rotation is not a measurement: a sender
+//             uses it, once per reset, to state the performer's heading.
 // Body, pose  DeviceRig. Silent for 0.5 s: lost.
 // Refused     source.malformed; source.ignored for all other addresses; pipeline.second_sender.
 // Pinned by tests/unit/vrchat/translator_test.cpp.

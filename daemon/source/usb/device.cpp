@@ -51,14 +51,14 @@ Status Device::Claim() {
   if (result == LIBUSB_SUCCESS) return Status::Ok();
   return Status::Error(
       "interface " + std::to_string(interface_.number) + " cannot be claimed: " +
-      (result == LIBUSB_ERROR_BUSY ? "another program has it" : libusb_strerror(result)));
+      (result == LIBUSB_ERROR_BUSY ? "another program uses it" : libusb_strerror(result)));
 }
 
 void Device::OnTransfer(libusb_transfer* transfer) {
-  static_cast<Device*>(transfer->user_data)->Take(*transfer);
+  static_cast<Device*>(transfer->user_data)->Complete(*transfer);
 }
 
-void Device::Take(libusb_transfer& transfer) {
+void Device::Complete(libusb_transfer& transfer) {
   --under_way_;
   // A cancelled or failed transfer may have delivered bytes; an empty one ended a burst.
   if (transfer.actual_length > 0) {

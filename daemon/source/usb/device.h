@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "daemon/runtime/counters.h"
@@ -26,8 +25,8 @@ class Device {
   };
   using OwnedHandle = std::unique_ptr<libusb_device_handle, Handle>;
 
-  // Claims the interface and starts the transfers. `number` is attached to all that the device
-  // reports. Errors say what was refused.
+  // Claims the interface and starts the transfers. `number` is attached to all data that the device
+  // reports. Errors name the refused call.
   static Result<std::unique_ptr<Device>> Start(OwnedHandle handle, const Interface& interface,
                                                std::uint32_t number, Reports& reports,
                                                runtime::Counters& counters);
@@ -57,7 +56,7 @@ class Device {
          runtime::Counters& counters);
   Status Claim();
   static void OnTransfer(libusb_transfer* transfer);
-  void Take(libusb_transfer& transfer);
+  void Complete(libusb_transfer& transfer);
   void Fail(State next);
   bool Submit(libusb_transfer& transfer);
   void SubmitAll();

@@ -23,7 +23,7 @@ Records::Stream& Records::StreamOf(std::uint32_t device) {
   return oldest;
 }
 
-void Records::Take(const Reports::Report& report, Receiver& receiver) {
+void Records::Decode(const Reports::Report& report, Receiver& receiver) {
   Stream& stream = StreamOf(report.device);
   stream.heard_ns = report.arrival_ns;
   StreamReader& reader = stream.reader;

@@ -25,8 +25,8 @@ class Records {
 
   // Decodes the records that the transfer completes, and passes their frames to `receiver`.
   // Allocates only for a new device. Beyond 16 devices, the one that was silent for longest is
-  // forgotten, with its incomplete record.
-  void Take(const Reports::Report& report, Receiver& receiver);
+  // removed, with its incomplete record.
+  void Decode(const Reports::Report& report, Receiver& receiver);
   std::uint64_t received() const { return received_; }
 
  private:

@@ -1,7 +1,6 @@
 #include "daemon/source/usb/reports.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <type_traits>
 

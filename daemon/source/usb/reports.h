@@ -27,7 +27,7 @@ class Reports {
   struct Report {
     bool is_note = false;  // a line for the log, else a transfer
     std::uint32_t device =
-        0;  // number of its opening: a device that was plugged in again has another
+        0;  // number of its opening: a device that was plugged in again has another one
     std::int64_t arrival_ns = 0;       // monotonic
     std::span<const std::byte> bytes;  // at most kMaxSize; valid until the next Pop
   };

@@ -77,7 +77,7 @@ class NativeUsb final : public Usb {
         continue;
       }
       Announce(report, receiver);
-      records_.Take(report, receiver);
+      records_.Decode(report, receiver);
     }
     return work;
   }
@@ -113,9 +113,9 @@ class TranslatedUsb final : public Usb {
       ++received_;
       Peer peer;
       peer.id = report.device;
-      translator_->Take(report.bytes, peer, report.arrival_ns, outbox_);
+      translator_->Handle(report.bytes, peer, report.arrival_ns, outbox_);
     }
-    // What still waits comes after a silence, if there was one, and must not be taken for it.
+    // A waiting report may follow a silence and must not be mistaken for it.
     if (work == static_cast<int>(kBatch)) until_ns = std::min(until_ns, report.arrival_ns);
     if (until_ns >= translator_->NextDeadline_ns()) ++work;
     translator_->Tick(until_ns, outbox_);

@@ -14,7 +14,7 @@ namespace {
 using runtime::Counter;
 
 constexpr std::int64_t kScanEvery_ns = runtime::kSecond_ns;
-// The pause before a failed device is retried doubles at most so many times, from 1 s.
+// The pause before a failed device is retried doubles at most this many times, from 1 s.
 constexpr int kMostDoublings = 6;
 constexpr std::int64_t kClosing_ns = runtime::kSecond_ns;
 constexpr auto kPauseOnError = std::chrono::milliseconds(10);
@@ -73,7 +73,7 @@ Result<std::unique_ptr<UsbThread>> UsbThread::Start(Wanted wanted, Reports& repo
   }
   usb->context_.reset(context);
   if (libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) != 0) {
-    // If the registration is refused, the scan once a second remains.
+    // If the registration fails, the scan once a second remains.
     (void)libusb_hotplug_register_callback(
         context, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT,
         LIBUSB_HOTPLUG_NO_FLAGS, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
@@ -130,7 +130,7 @@ void UsbThread::Scan() {
   for (Known& known : known_) TryOpen(known);
 }
 
-// Adds a new device to known_ if it is wanted.
+// Adds a new device to known_ if a source needs it.
 void UsbThread::Meet(libusb_device* device) {
   libusb_device_descriptor descriptor{};
   if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) return;

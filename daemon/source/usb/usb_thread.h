@@ -56,7 +56,7 @@ class UsbThread {
     std::string name;  // for the log
     std::unique_ptr<Device> open;
     bool other = false;     // not wanted: other serial number, or no suitable interface
-    std::string complaint;  // the reason last logged why it is not open
+    std::string complaint;  // the last logged reason why it is not open
     int failures = 0;       // how often it was opened and given up
     std::int64_t next_try_ns = 0;
   };

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"

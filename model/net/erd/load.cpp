@@ -54,34 +54,34 @@ class LayerReader {
  public:
   explicit LayerReader(net::TensorReader& tensors) : tensors_(tensors) {}
 
-  RowMajor Take(const std::string& name, int rows, int columns) {
+  RowMajor Read(const std::string& name, int rows, int columns) {
     return tensors_.Matrix(name, rows, columns);
   }
   template <int Rows>
-  Vector<Rows> Take(const std::string& name) {
+  Vector<Rows> Read(const std::string& name) {
     return tensors_.Vector(name, Rows);
   }
   template <int Rows, int Columns>
-  void Take(const std::string& name, Affine<Rows, Columns>& out) {
-    Pack(Take(name + ".weight", Rows, Columns), out.weight);
-    Pack(Take<Rows>(name + ".bias"), out.bias);
+  void Read(const std::string& name, Affine<Rows, Columns>& out) {
+    Pack(Read(name + ".weight", Rows, Columns), out.weight);
+    Pack(Read<Rows>(name + ".bias"), out.bias);
   }
   // The same for a weight with one extra column per style at its end, which is added to the bias of
   // its style.
   template <int Rows, int Columns>
-  void Take(const std::string& name, int style_count, PackedMatrix<Rows, Columns>& out,
+  void Read(const std::string& name, int style_count, PackedMatrix<Rows, Columns>& out,
             std::array<PackedVector<Rows>, net::kMaxStyles>& style_bias) {
-    const RowMajor all = Take(name + ".weight", Rows, Columns + style_count);
-    const Vector<Rows> bias = Take<Rows>(name + ".bias");
+    const RowMajor all = Read(name + ".weight", Rows, Columns + style_count);
+    const Vector<Rows> bias = Read<Rows>(name + ".bias");
     Pack(all.leftCols<Columns>(), out);
     for (int s = 0; s < style_count; ++s) Pack(bias + all.col(Columns + s), style_bias[s]);
   }
   template <int Latent>
-  void Take(const std::string& name, LstmLayer<Latent>& out) {
+  void Read(const std::string& name, LstmLayer<Latent>& out) {
     constexpr int kGates = 4 * Latent;
-    const RowMajor input = Take(name + ".input", kGates, Latent);
-    const RowMajor hidden = Take(name + ".hidden", kGates, Latent);
-    const Vector<kGates> bias = Take<kGates>(name + ".bias");
+    const RowMajor input = Read(name + ".input", kGates, Latent);
+    const RowMajor hidden = Read(name + ".hidden", kGates, Latent);
+    const Vector<kGates> bias = Read<kGates>(name + ".bias");
     RowMajor weight(kGates, 2 * Latent);
     Vector<kGates> ordered_bias;
     for (int row = 0; row < kGates; ++row) {
@@ -94,8 +94,8 @@ class LayerReader {
     }
     Pack(weight, out.weight);
     Pack(ordered_bias, out.bias);
-    Pack(Take<Latent>(name + ".h0"), out.h0);
-    Pack(Take<Latent>(name + ".c0"), out.c0);
+    Pack(Read<Latent>(name + ".h0"), out.h0);
+    Pack(Read<Latent>(name + ".c0"), out.c0);
   }
 
  private:
@@ -136,16 +136,16 @@ void CheckFeatures(const Vector<kFeatureCount>& mean, const Vector<kFeatureCount
 // Stacks the heads into one layer. The file's heads give standardized features; deviation and mean
 // are folded into the weights, so that no step has to undo the standardization.
 template <int Width>
-void TakeHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
+void ReadHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
                const Vector<kFeatureCount>& deviation, Affine<kHeads, Width>& out) {
   RowMajor weight(kHeads, Width);
   Vector<kHeads> bias;
   int row = 0;
   const auto take = [&](const std::string& name, auto rows, int feature) {
     const auto scale = deviation.segment<rows>(feature);
-    weight.middleRows<rows>(row) = scale.asDiagonal() * tensors.Take(name + ".weight", rows, Width);
+    weight.middleRows<rows>(row) = scale.asDiagonal() * tensors.Read(name + ".weight", rows, Width);
     bias.segment<rows>(row) =
-        scale.cwiseProduct(tensors.Take<rows>(name + ".bias")) + mean.segment<rows>(feature);
+        scale.cwiseProduct(tensors.Read<rows>(name + ".bias")) + mean.segment<rows>(feature);
     row += rows;
   };
   take("head.rotation", std::integral_constant<int, kRotationFeatures>(), 0);
@@ -203,22 +203,22 @@ Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read
   net::TensorReader all(file.view, faults);
   LayerReader tensors(all);
   const int style_count = network->style_count();
-  const auto mean = tensors.Take<kFeatureCount>("feature.mean");
-  const auto deviation = tensors.Take<kFeatureCount>("feature.deviation");
+  const auto mean = tensors.Read<kFeatureCount>("feature.mean");
+  const auto deviation = tensors.Read<kFeatureCount>("feature.deviation");
   if (faults.none()) CheckFeatures(mean, deviation, features, faults);
   Pack(mean, w.mean);
   Pack(deviation.cwiseInverse(), w.inverse_deviation);
-  tensors.Take("encoder.0", style_count, w.encoder0, w.encoder0_bias);
-  tensors.Take("encoder.1", w.encoder1);
-  for (int l = 0; l < kNeutralLayers; ++l) tensors.Take(LayerName(0, l), w.neutral[l]);
+  tensors.Read("encoder.0", style_count, w.encoder0, w.encoder0_bias);
+  tensors.Read("encoder.1", w.encoder1);
+  for (int l = 0; l < kNeutralLayers; ++l) tensors.Read(LayerName(0, l), w.neutral[l]);
   w.styles.resize(style_count - 1);
   for (int s = 1; s < style_count; ++s) {
-    for (int l = 0; l < kStyleLayers; ++l) tensors.Take(LayerName(s, l), w.styles[s - 1][l]);
+    for (int l = 0; l < kStyleLayers; ++l) tensors.Read(LayerName(s, l), w.styles[s - 1][l]);
   }
-  tensors.Take("decoder.0", style_count, w.decoder0, w.decoder0_bias);
-  tensors.Take("decoder.1", w.decoder1);
-  tensors.Take("decoder.2", w.decoder2);
-  TakeHeads(tensors, mean, deviation, w.heads);
+  tensors.Read("decoder.0", style_count, w.decoder0, w.decoder0_bias);
+  tensors.Read("decoder.1", w.decoder1);
+  tensors.Read("decoder.2", w.decoder2);
+  ReadHeads(tensors, mean, deviation, w.heads);
   all.Finish();
   if (!faults.none()) return faults.status();
   w.Round(*net::BestKernels(file.precision));

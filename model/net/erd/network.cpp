@@ -94,14 +94,9 @@ struct Decoding {
   PackedVector<kHeads> heads;
 };
 
-// The number of performers that step together. The weights of a wide network are larger than the
-// second-level cache and are read once for all of them: of 16 a step takes 0.9 of the time of 8
-// each, of 32 0.86. Intermediate results (8 kB each) fit into that cache beside a layer's weights.
-constexpr std::size_t kTogether = 16;
-
 // One performer's intermediate results.
 template <Shape kShape>
-struct Way {
+struct Scratch {
   Wanted wanted;
   int input_style = 0;
   std::array<int, kMaxBranches> slot;  // of each wanted style's branch, in the state
@@ -190,8 +185,8 @@ template <Shape kShape>
 void ShapedNetwork<kShape>::StepTogether(std::span<const StepJob> jobs) const noexcept {
   if (jobs.size() == 1) return StepSome<1>(jobs);
   while (!jobs.empty()) {
-    const std::size_t count = std::min(jobs.size(), kTogether);
-    StepSome<kTogether>(jobs.first(count));
+    const std::size_t count = std::min(jobs.size(), net::kTogether);
+    StepSome<net::kTogether>(jobs.first(count));
     jobs = jobs.subspan(count);
   }
 }
@@ -203,93 +198,93 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
   const Kernels& kernels = *w.kernels;
   const int style_count = this->style_count();
   const std::size_t count = jobs.size();
-  std::array<Way<kShape>, Most> ways;
+  std::array<Scratch<kShape>, Most> scratch;
   std::array<Operands, Most> operands;
 
   // 1. Find the branches to run; start those that did not run before.
   for (std::size_t k = 0; k < count; ++k) {
     const StepJob& job = jobs[k];
-    Way<kShape>& way = ways[k];
-    way.input_style = job.input_style > 0 && job.input_style < style_count ? job.input_style : 0;
+    Scratch<kShape>& own = scratch[k];
+    own.input_style = job.input_style > 0 && job.input_style < style_count ? job.input_style : 0;
     for (const StyleWeight& style : job.active) {
       if (style.style > 0 && style.style < style_count) {
-        way.wanted.Add(style.style, style.weight, kMaxActive);
+        own.wanted.Add(style.style, style.weight, kMaxActive);
       }
     }
-    if (way.input_style > 0) way.wanted.Add(way.input_style, 0, kMaxBranches);
+    if (own.input_style > 0) own.wanted.Add(own.input_style, 0, kMaxBranches);
     Prefetch<kShape>(job.state->neutral, kNeutralLayers);
-    DropBranches(way.wanted, *job.state);
-    for (int i = 0; i < way.wanted.count; ++i) {
-      const int style = way.wanted.entry[i].style;
+    DropBranches(own.wanted, *job.state);
+    for (int i = 0; i < own.wanted.count; ++i) {
+      const int style = own.wanted.entry[i].style;
       int slot = FindSlot(*job.state, style);
       if (slot < 0) {
         slot = FindSlot(*job.state, -1);
         job.state->style[slot] = style;
         StartBranch<kShape>(w.styles[style - 1], job.state->branch[slot]);
       }
-      way.slot[i] = slot;
+      own.slot[i] = slot;
       Prefetch<kShape>(job.state->branch[slot], kStyleLayers);
     }
   }
 
   // 2. z = W1 relu(W0 [u, S] + b0) + b1
   for (std::size_t k = 0; k < count; ++k) {
-    Way<kShape>& way = ways[k];
+    Scratch<kShape>& own = scratch[k];
     kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
-                        kFeatureCount, kMaxStandardized, way.u.data());
-    operands[k] = {w.encoder0_bias[way.input_style].data(), way.u.data(), way.e.data()};
+                        kFeatureCount, kMaxStandardized, own.u.data());
+    operands[k] = {w.encoder0_bias[own.input_style].data(), own.u.data(), own.e.data()};
   }
   Apply(kernels, w.encoder0, std::span(operands).first(count), true);
   for (std::size_t k = 0; k < count; ++k) {
-    operands[k] = {w.encoder1.bias.data(), ways[k].e.data(), ways[k].z.data()};
+    operands[k] = {w.encoder1.bias.data(), scratch[k].e.data(), scratch[k].z.data()};
   }
   Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
 
   // 3. z' = r_0(z) + Σ_s α_s r_s(z), and the target style Ŝ's part of the decoder's first layer.
   BranchRun<kShape, Most> neutral;
-  for (std::size_t k = 0; k < count; ++k) neutral.Add(ways[k].z.data(), jobs[k].state->neutral);
+  for (std::size_t k = 0; k < count; ++k) neutral.Add(scratch[k].z.data(), jobs[k].state->neutral);
   neutral.Run(kernels, w.neutral);
   std::bitset<kMaxStyles> styles;
   for (std::size_t k = 0; k < count; ++k) {
-    for (int i = 0; i < ways[k].wanted.count; ++i) styles.set(ways[k].wanted.entry[i].style);
+    for (int i = 0; i < scratch[k].wanted.count; ++i) styles.set(scratch[k].wanted.entry[i].style);
   }
   for (int style = 1; style < style_count; ++style) {
     if (!styles.test(style)) continue;
     BranchRun<kShape, Most> run;
     for (std::size_t k = 0; k < count; ++k) {
       const int slot = FindSlot(*jobs[k].state, style);
-      if (slot >= 0) run.Add(ways[k].z.data(), jobs[k].state->branch[slot]);
+      if (slot >= 0) run.Add(scratch[k].z.data(), jobs[k].state->branch[slot]);
     }
     run.Run(kernels, w.styles[style - 1]);
   }
   std::array<Decoding<kShape>*, 2 * Most> latents;
   std::size_t latent_count = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    Way<kShape>& way = ways[k];
+    Scratch<kShape>& own = scratch[k];
     const State& state = *jobs[k].state;
     const float* const of_neutral = state.neutral.h[kNeutralLayers - 1].data();
-    std::copy_n(of_neutral, kShape.latent, way.reconstruction.latent.begin());
-    std::copy_n(of_neutral, kShape.latent, way.styled.latent.begin());
-    way.reconstruction.style_bias = w.decoder0_bias[way.input_style].data();
-    way.styled.style_bias = way.target.data();
-    way.target.fill(0);
+    std::copy_n(of_neutral, kShape.latent, own.reconstruction.latent.begin());
+    std::copy_n(of_neutral, kShape.latent, own.styled.latent.begin());
+    own.reconstruction.style_bias = w.decoder0_bias[own.input_style].data();
+    own.styled.style_bias = own.target.data();
+    own.target.fill(0);
     float sum = 0;
-    for (int i = 0; i < way.wanted.count; ++i) {
-      const StyleWeight& style = way.wanted.entry[i];
-      const float* const residual = state.branch[way.slot[i]].h[kStyleLayers - 1].data();
-      AddTo(way.styled.latent, style.weight, residual);
-      if (style.style == way.input_style) AddTo(way.reconstruction.latent, 1, residual);
-      AddTo(way.target, style.weight, w.decoder0_bias[style.style].data());
+    for (int i = 0; i < own.wanted.count; ++i) {
+      const StyleWeight& style = own.wanted.entry[i];
+      const float* const residual = state.branch[own.slot[i]].h[kStyleLayers - 1].data();
+      AddTo(own.styled.latent, style.weight, residual);
+      if (style.style == own.input_style) AddTo(own.reconstruction.latent, 1, residual);
+      AddTo(own.target, style.weight, w.decoder0_bias[style.style].data());
       sum += style.weight;
     }
     // Ŝ is a mixture: neutral has the weight that the styles leave to 1; above 1 they are
     // normalized.
-    AddTo(way.target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
+    AddTo(own.target, std::max(0.0F, 1.0F - sum), w.decoder0_bias[0].data());
     if (sum > 1.0F) {
-      for (float& value : way.target) value /= sum;
+      for (float& value : own.target) value /= sum;
     }
-    latents[latent_count++] = &way.reconstruction;
-    if (way.wanted.count > 0) latents[latent_count++] = &way.styled;
+    latents[latent_count++] = &own.reconstruction;
+    if (own.wanted.count > 0) latents[latent_count++] = &own.styled;
   }
 
   // 4. d = relu(D2 relu(D1 relu(D0 [z', Ŝ]))), then the heads, for all latents at once.
@@ -304,11 +299,11 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
                            decodings);
   for (std::size_t k = 0; k < count; ++k) {
     Prediction& out = *jobs[k].out;
-    ToDecoded(kernels, ways[k].reconstruction.heads, out.reconstruction);
-    if (ways[k].wanted.count == 0) {
+    ToDecoded(kernels, scratch[k].reconstruction.heads, out.reconstruction);
+    if (scratch[k].wanted.count == 0) {
       out.styled = out.reconstruction;
     } else {
-      ToDecoded(kernels, ways[k].styled.heads, out.styled);
+      ToDecoded(kernels, scratch[k].styled.heads, out.styled);
     }
   }
 }

@@ -2,12 +2,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
@@ -24,9 +22,9 @@ namespace styled::erd {
 
 inline constexpr int kMaxBranches = net::kMaxActive + 1;  // and the input style's
 // Limit of standardized features, in deviations. A feature farther out than nearly all training
-// data tells the network nothing more. A dance reaches 51 with weights trained on walks, the toes
-// of another rig 20. Without the limit such features dominate the others, and the style change of
-// an untrained rig jerks a tenth more.
+// data carries no more information for the network. A dance reaches 51 with weights trained on
+// walks, the toes of another rig 20. Without the limit such features dominate the others, and the
+// style change of an unknown rig jerks a tenth more.
 inline constexpr float kMaxStandardized = 4.0F;
 
 // Recurrent state of one branch: h and c per layer, sized for the deepest branch.

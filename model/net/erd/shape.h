@@ -7,7 +7,7 @@ namespace styled::erd {
 inline constexpr int kNeutralLayers = 6;
 inline constexpr int kStyleLayers = 4;
 
-// The widths of a network of this family. Numbers of layers are those of the paper in all.
+// The widths of a network of this family. The numbers of layers are always those of the paper.
 struct Shape {
   int latent;                  // Z: of every LSTM layer
   int encoder;                 // of its one hidden layer

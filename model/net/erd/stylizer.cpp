@@ -9,8 +9,6 @@
 namespace styled::erd {
 namespace {
 
-constexpr std::size_t kTogether = 16;  // jobs at a time, the same as in Network
-
 // A crowd's streams are larger than the caches.
 void Prefetch(const FeatureState& state) noexcept {
   constexpr std::size_t kLine = 64;
@@ -59,9 +57,9 @@ class ErdStylizer final : public net::Stylizer {
   }
 
   void Step(std::span<const net::StepJob> jobs) const noexcept override {
-    std::array<StepJobOf<kShape>, kTogether> steps;
-    for (; !jobs.empty(); jobs = jobs.subspan(std::min(jobs.size(), kTogether))) {
-      const std::size_t count = std::min(jobs.size(), kTogether);
+    std::array<StepJobOf<kShape>, net::kTogether> steps;
+    for (; !jobs.empty(); jobs = jobs.subspan(std::min(jobs.size(), net::kTogether))) {
+      const std::size_t count = std::min(jobs.size(), net::kTogether);
       for (std::size_t k = 0; k < count; ++k) {
         const net::StepJob& job = jobs[k];
         if (k + 1 < count) {

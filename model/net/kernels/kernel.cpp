@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/net/kernels/kernel.cpp"
 #include <hwy/cache_control.h>
-#include <hwy/foreach_target.h>  // before highway.h: it says for which target that is
+#include <hwy/foreach_target.h>  // must precede highway.h
 #include <hwy/highway.h>
 
 // Forces a Highway vector into a register from here on.
@@ -388,7 +388,7 @@ void Lstm(int units, const float* weights, const float* bias,
 // The instructions of AVX512-BF16 are written out: Highway has them in no target of its own, and
 // the rest of a kernel is the same. BestKernels gives the table only where the processor has them.
 
-// Rounds floats to pairs of bfloat16; an odd last one gets 0 beside it. Writes whole vectors.
+// Rounds floats to pairs of bfloat16; an odd last one is paired with 0. Writes whole vectors.
 HWY_INLINE void ToPairs(const float* x, int count, float* pairs) {
   const auto some = [](const float* from, float* to) {
     const V low = hn::LoadU(d, from), high = hn::LoadU(d, from + kLanes);

@@ -32,8 +32,9 @@ struct alignas(64) PackedMatrix : std::array<float, std::size_t{PaddedRows(Rows)
 // rows of the input, forget, cell and output gates follow one another.
 constexpr int LstmRow(int gate, int unit) { return (unit / 16 * 4 + gate) * 16 + unit % 16; }
 
-// What weights, and the inputs of products, are rounded to. Sums, states and activations are
-// float32 in either. bfloat16 halves what is read of the weights; it has 8 significant bits.
+// The precision to which weights, and the inputs of products, are rounded. Sums, states and
+// activations are float32 in either. bfloat16 halves the memory traffic of the weights; it has 8
+// significant bits.
 enum class Precision { kFloat32, kBfloat16 };
 
 // One input of a product and the place of its result. `bias` and `y` are padded to whole panels,
@@ -70,16 +71,17 @@ struct Kernels {
   // unit = quaternions / their lengths; a quaternion of length 0 becomes the identity.
   void (*normalize)(const float* quaternions, int count, float* unit) noexcept;
 
-  // Rounds a packed matrix in place to what affine and lstm read, once. nullptr: they read float32.
+  // Rounds a packed matrix in place to the precision of affine and lstm, once. nullptr: they read
+  // float32.
   void (*pack)(float* weights, int panels, int columns) noexcept;
 };
 
-// Columns of a matrix at most, where they are rounded.
+// The most columns of a matrix that is rounded.
 inline constexpr int kMostColumns = 512;
 
 // The fastest table that this machine supports. Call at start-up only.
 const Kernels& BestKernels();
-// The same; nullptr: this machine multiplies no such numbers. bfloat16 needs AVX512-BF16.
+// The same; nullptr: this machine cannot multiply such numbers. bfloat16 needs AVX512-BF16.
 const Kernels* BestKernels(Precision precision);
 
 }  // namespace styled::net

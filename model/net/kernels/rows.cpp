@@ -1,6 +1,5 @@
 #include "model/net/kernels/rows.h"
 
-#include <algorithm>
 #include <cassert>
 #include <type_traits>
 
@@ -8,7 +7,7 @@
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/net/kernels/rows.cpp"
-#include <hwy/foreach_target.h>  // before highway.h: it says for which target that is
+#include <hwy/foreach_target.h>  // must precede highway.h, which compiles for that target
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -95,7 +94,7 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
       V y = sum[r][v];
       if (bias != nullptr) y = hn::Add(y, hn::LoadU(d, bias + v * kLanes));
       if (product.add != nullptr) y = hn::Add(y, hn::LoadU(d, product.add + at + v * kLanes));
-      // In this order a NaN stays a NaN, so that whoever judges the output finds it.
+      // In this order a NaN stays a NaN, so that a check of the output finds it.
       hn::StoreU(hn::Max(least, y), d, product.y + at + v * kLanes);
     }
   }

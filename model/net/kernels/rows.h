@@ -131,8 +131,8 @@ struct RowKernels {
   void (*mix)(const RowMixture& mixture) noexcept;
 
   // y = leaky(x scale + shift) by channel, leaky(u) = max(u, 0.2 u); [rows, channels], channels a
-  // multiple of kRowPanel. With `other`, of the same shape, y is the mean of what both give.
-  // Without `scale` and `shift` (nullptr) they are 1 and 0.
+  // multiple of kRowPanel. With `other`, of the same shape, y is the mean of both results. Without
+  // `scale` and `shift` (nullptr) they are 1 and 0.
   void (*activate)(const float* x, const float* other, int rows, int channels, const float* scale,
                    const float* shift, float* y) noexcept;
 

@@ -16,12 +16,12 @@ using net::TensorReader;
 // Frames of one graph convolution at a time: its products then stay in the second-level cache.
 constexpr int kBlockFrames = 16;
 
-TimeConv TakeTime(TensorReader& tensors, const std::string& name, int channels, float scale) {
+TimeConv ReadTimeConv(TensorReader& tensors, const std::string& name, int channels, float scale) {
   const RowMajor weight = tensors.Tensor(name + ".weight", {channels, channels, 3});
   return {weight, tensors.Vector(name + ".bias", channels), scale};
 }
 
-AdaIn TakeAdaIn(TensorReader& tensors, const std::string& name, int channels) {
+AdaIn ReadAdaIn(TensorReader& tensors, const std::string& name, int channels) {
   AdaIn adain{tensors.Matrix(name + ".weight", 2 * channels, kCode),
               tensors.Vector(name + ".bias", 2 * channels)};
   adain.bias.head(channels).array() += 1;  // 1 + γ
@@ -68,7 +68,7 @@ Affine Normalization(const RowKernels& kernels, const float* x, int frames, int 
 }
 constexpr std::array<float, 1> kEqualWeights{1};
 
-// After the normalization a scale and a shift of its own.
+// The scale and shift of the normalization itself.
 void Follow(std::span<const float> scale, std::span<const float> shift, Affine& affine) {
   for (std::size_t c = 0; c < scale.size(); ++c) {
     affine.scale[c] *= scale[c];
@@ -135,26 +135,26 @@ void UnpoolTime(const RowKernels& kernels, const float* x, int frames, std::size
 
 }  // namespace
 
-Dense TakeDense(TensorReader& tensors, const std::string& name, int rows, int columns) {
+Dense ReadDense(TensorReader& tensors, const std::string& name, int rows, int columns) {
   return {tensors.Matrix(name + ".weight", rows, columns), tensors.Vector(name + ".bias", rows)};
 }
 
-EncoderBlock TakeEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
+EncoderBlock ReadEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
                          bool normalized) {
-  EncoderBlock block{layers.TakeEncoder(name, level, in, out, 2), {}, {}, {}, {}};
-  if (normalized) block.norm1 = layers.TakeNorm(name + ".norm1", in);
-  block.time1 = TakeTime(layers.tensors(), name + ".tconv1", in, 1);
-  if (normalized) block.norm2 = layers.TakeNorm(name + ".norm2", in);
-  block.time2 = TakeTime(layers.tensors(), name + ".tconv2", out, kPathShare);
+  EncoderBlock block{layers.ReadEncoder(name, level, in, out, 2), {}, {}, {}, {}};
+  if (normalized) block.norm1 = layers.ReadNorm(name + ".norm1", in);
+  block.time1 = ReadTimeConv(layers.tensors(), name + ".tconv1", in, 1);
+  if (normalized) block.norm2 = layers.ReadNorm(name + ".norm2", in);
+  block.time2 = ReadTimeConv(layers.tensors(), name + ".tconv2", out, kPathShare);
   return block;
 }
 
-DecoderBlock TakeDecoder(LayerReader& layers, const std::string& name, int level, int in, int out) {
-  DecoderBlock block{layers.TakeDecoder(name, level, in, out), {}, {}, {}, {}};
-  block.adain1 = TakeAdaIn(layers.tensors(), name + ".adain1", in);
-  block.time1 = TakeTime(layers.tensors(), name + ".tconv1", out, 1);
-  block.adain2 = TakeAdaIn(layers.tensors(), name + ".adain2", out);
-  block.time2 = TakeTime(layers.tensors(), name + ".tconv2", out, kPathShare);
+DecoderBlock ReadDecoder(LayerReader& layers, const std::string& name, int level, int in, int out) {
+  DecoderBlock block{layers.ReadDecoder(name, level, in, out), {}, {}, {}, {}};
+  block.adain1 = ReadAdaIn(layers.tensors(), name + ".adain1", in);
+  block.time1 = ReadTimeConv(layers.tensors(), name + ".tconv1", out, 1);
+  block.adain2 = ReadAdaIn(layers.tensors(), name + ".adain2", out);
+  block.time2 = ReadTimeConv(layers.tensors(), name + ".tconv2", out, kPathShare);
   return block;
 }
 

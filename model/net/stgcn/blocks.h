@@ -11,7 +11,7 @@
 #include "model/net/stgcn/time_conv.h"
 
 // The blocks of the networks of whole clips (equations: FORMAT.md), as generator and style encoder
-// have them. A block is immutable; what it needs while it runs lies in a thread's scratch. Included
+// have them. A block is immutable; its intermediate results are in a thread's scratch. Included
 // only by sources of this folder. Pinned by tests/unit/net/stgcn/network_test.cpp.
 namespace styled::stgcn {
 
@@ -41,12 +41,12 @@ struct Dense {
   Eigen::VectorXf Apply(const Eigen::VectorXf& x) const { return weight * x + bias; }
 };
 
-Dense TakeDense(net::TensorReader& tensors, const std::string& name, int rows, int columns);
+Dense ReadDense(net::TensorReader& tensors, const std::string& name, int rows, int columns);
 // From `level` to the coarser one.
-EncoderBlock TakeEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
+EncoderBlock ReadEncoder(LayerReader& layers, const std::string& name, int level, int in, int out,
                          bool normalized);
 // From the coarser level to `level`.
-DecoderBlock TakeDecoder(LayerReader& layers, const std::string& name, int level, int in, int out);
+DecoderBlock ReadDecoder(LayerReader& layers, const std::string& name, int level, int in, int out);
 
 // The standardized features of `clip`, filled up with its last frame to `frames`, through the input
 // layer. Returns [frames, 21, width], in the scratch.

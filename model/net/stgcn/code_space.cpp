@@ -14,11 +14,11 @@ CodeSpace::CodeSpace(LayerReader& layers, const FeatureParameters& features,
       encoder_(layers, width, domains) {
   constexpr int kHidden = 256;
   net::TensorReader& tensors = layers.tensors();
-  mapping_.noise = TakeDense(tensors, "f.noise", kHidden, kNoise);
-  mapping_.label = TakeDense(tensors, "f.label", kHidden, domains);
-  mapping_.first = TakeDense(tensors, "f.fc1", 2 * kHidden, 2 * kHidden);
-  mapping_.second = TakeDense(tensors, "f.fc2", 4 * kHidden, 2 * kHidden);
-  mapping_.out = TakeDense(tensors, "f.out", kCode, 4 * kHidden);
+  mapping_.noise = ReadDense(tensors, "f.noise", kHidden, kNoise);
+  mapping_.label = ReadDense(tensors, "f.label", kHidden, domains);
+  mapping_.first = ReadDense(tensors, "f.fc1", 2 * kHidden, 2 * kHidden);
+  mapping_.second = ReadDense(tensors, "f.fc2", 4 * kHidden, 2 * kHidden);
+  mapping_.out = ReadDense(tensors, "f.out", kCode, 4 * kHidden);
   const net::RowMajor codes = tensors.Matrix("codes.mean", domains, kCode);
   for (int domain = 0; domain < domains; ++domain) {
     mean_codes_.emplace_back(codes.row(domain).transpose());

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "model/net/stgcn/style_encoder.h"
@@ -9,9 +8,9 @@
 
 namespace styled::stgcn {
 
-// The networks of a weights file that say what a style is: style encoder, mapping network and the
-// domains' mean codes (FORMAT.md). Those of whole clips and of live streams have the same. Pinned
-// by tests/unit/net/stgcn/network_test.cpp, codes_test.cpp and tests/parity.
+// The networks of a weights file that define styles: style encoder, mapping network and the
+// domains' mean codes (FORMAT.md). Networks of whole clips and of live streams have the same ones.
+// Pinned by tests/unit/net/stgcn/network_test.cpp, codes_test.cpp and tests/parity.
 class CodeSpace final : public net::StyleSpace {
  public:
   // Reads the tensors `e.*`, `f.*` and `codes.mean` for a network of `width`.
@@ -28,7 +27,7 @@ class CodeSpace final : public net::StyleSpace {
   Code EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const;
   // The mapping network: a code of `domain`.
   Code MapNoise(const Noise& noise, int domain) const;
-  // The same for many, a column each; but for rounding.
+  // The same for many, a column each, up to rounding.
   Eigen::MatrixXf MapNoises(const Eigen::MatrixXf& noises, int domain) const;
 
   int least_frames() const noexcept override { return kLeastFrames; }

@@ -1,6 +1,5 @@
 #include "model/net/stgcn/codes.h"
 
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>

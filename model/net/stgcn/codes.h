@@ -15,17 +15,17 @@ struct WeightedCode {
   float weight = 1;
 };
 
-// The code itself where the network knows what it stands for. One whose distance (of Nearest) is
-// above kFarthest is drawn straight toward the nearest mean until it has that distance: an example
-// that is no motion of a person, or three times a variation, would otherwise tear the body apart.
-// A person in the T-pose as the example: the walk jerks 1.8 times as much as the input, one of
-// zeros 1.3 times; with the weights before, 16 and 26 times without the limit. Styles never seen
-// lie at 0.5 to 0.9.
-// A distance that is not finite is of broken weights, which must show: such a code stays.
+// Returns the code itself if it is within the range that the network knows. A code whose distance
+// (of Nearest) is above kFarthest is pulled straight toward the nearest mean until it has that
+// distance. An example that is not human motion, or three times a variation, would otherwise tear
+// the body apart. A person in the T-pose as the example: the walk jerks 1.8 times as much as the
+// input, one of zeros 1.3 times; with the weights before, 16 and 26 times without the limit. Styles
+// never seen lie at 0.5 to 0.9. A distance that is not finite comes from broken weights, which must
+// remain visible: such a code is unchanged.
 inline constexpr float kFarthest = 1.5F;
 Code PulledIn(const CodeSpace& space, const Code& code);
 
-// F(z, domain) for the noise that `seed` stands for: the same number gives the same noise in every
+// F(z, domain) for the noise generated from `seed`: the same number gives the same noise in every
 // domain and on every machine.
 Noise NoiseOf(std::uint64_t seed);
 Code NoiseCode(const CodeSpace& space, std::uint64_t seed, int domain);

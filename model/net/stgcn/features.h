@@ -33,7 +33,7 @@ struct FeatureParameters {
   FeatureParameters() { hemisphere.fill(body::Quat::Identity()); }
 };
 
-// What one stream of poses keeps between frames. One thread at a time.
+// The state of one stream of poses between frames. One thread at a time.
 struct HeadingState {
   bool started = false;
   float cosine = 1.0F, sine = 0.0F;  // the filtered heading's direction

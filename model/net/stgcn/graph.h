@@ -17,8 +17,8 @@ namespace styled::stgcn {
 inline constexpr int kLevels = 3;
 inline constexpr std::array<int, kLevels> kNodes{body::kJointCount, 10, 5};
 
-// How a neighbour lies to a node, by their distances to the centre (hips, abdomen, trunk): the node
-// itself, nearer, farther. The index of an adjacency matrix.
+// The position of a neighbour relative to a node, by their distances to the centre (hips, abdomen,
+// trunk): the node itself, nearer, farther. The index of an adjacency matrix.
 enum Label : int { kSelf, kNearer, kFarther, kLabelCount };
 
 // The neighbour of each node that is nearer to the centre, -1 for the centre: a level is a tree.

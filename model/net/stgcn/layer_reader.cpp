@@ -66,7 +66,7 @@ void ReadParameters(const net::WeightsFile& file, FeatureParameters& features, F
       net::ReadNumber(file.header, "heading_tau_s", {0, kMaxHeadingTau_s}, faults);
 }
 
-Standardization TakeStandardization(net::TensorReader& tensors, FeatureParameters& features,
+Standardization ReadStandardization(net::TensorReader& tensors, FeatureParameters& features,
                                     Faults& faults) {
   Standardization standard{};
   const RowMajor mean = tensors.Matrix("features.mean", body::kJointCount, kChannels);
@@ -95,7 +95,7 @@ void Copy(const RowMajor& from, net::AlignedFloats& to) {
   std::copy_n(from.data(), from.size(), to.data());
 }
 
-Linear LayerReader::TakeLinear(const std::string& name, int out, int in, int nodes) {
+Linear LayerReader::ReadLinear(const std::string& name, int out, int in, int nodes) {
   Linear linear;
   const std::array<int, 1> depth{in};
   linear.weight = net::PackedColumns(depth, out);
@@ -110,7 +110,7 @@ Linear LayerReader::TakeLinear(const std::string& name, int out, int in, int nod
   return linear;
 }
 
-Norm LayerReader::TakeNorm(const std::string& name, int channels) {
+Norm LayerReader::ReadNorm(const std::string& name, int channels) {
   const RowMajor scale = tensors_.Vector(name + ".scale", channels);
   const RowMajor shift = tensors_.Vector(name + ".shift", channels);
   return {{scale.data(), scale.data() + scale.size()}, {shift.data(), shift.data() + shift.size()}};
@@ -118,7 +118,7 @@ Norm LayerReader::TakeNorm(const std::string& name, int channels) {
 
 // `mixing`: adjacency with pooling behind or unpooling before it, `pooling` that pooling (or
 // identity): the bias of each node comes before it.
-GraphConv LayerReader::TakeGraph(const std::string& name, int out, int in,
+GraphConv LayerReader::ReadGraph(const std::string& name, int out, int in,
                                  const std::array<Eigen::MatrixXf, kLabelCount>& mixing,
                                  const Eigen::MatrixXf& pooling) {
   const RowMajor weight = tensors_.Matrix(name + ".weight", kLabelCount * out, in);
@@ -128,14 +128,14 @@ GraphConv LayerReader::TakeGraph(const std::string& name, int out, int in,
   return {mixing, weight, bias, pooling.transpose() * node_bias};
 }
 
-net::PackedColumns LayerReader::TakeSkip(const std::string& name, int out, int in) {
+net::PackedColumns LayerReader::ReadSkip(const std::string& name, int out, int in) {
   const std::array<int, 1> depth{in};
   net::PackedColumns packed(depth, out);
   Pack(tensors_.Matrix(name + ".skip.weight", out, in), kPathShare, 0, packed);
   return packed;
 }
 
-EncoderNodes LayerReader::TakeEncoder(const std::string& name, int level, int in, int out,
+EncoderNodes LayerReader::ReadEncoder(const std::string& name, int level, int in, int out,
                                       int frames) {
   EncoderNodes block;
   block.in = in;
@@ -144,9 +144,9 @@ EncoderNodes LayerReader::TakeEncoder(const std::string& name, int level, int in
   const Eigen::MatrixXf same = Eigen::MatrixXf::Identity(pooling.cols(), pooling.cols());
   auto pooled = Adjacency(level);
   for (Eigen::MatrixXf& label : pooled) label *= pooling;
-  block.graph1 = TakeGraph(name + ".gconv1", in, in, pooled, pooling);
-  block.graph2 = TakeGraph(name + ".gconv2", out, in, Adjacency(level + 1), same);
-  block.skip = TakeSkip(name, out, in);
+  block.graph1 = ReadGraph(name + ".gconv1", in, in, pooled, pooling);
+  block.graph2 = ReadGraph(name + ".gconv2", out, in, Adjacency(level + 1), same);
+  block.skip = ReadSkip(name, out, in);
   block.pool_begins.push_back(0);
   for (int cluster = 0; cluster < pooling.cols(); ++cluster) {
     for (int node = 0; node < pooling.rows(); ++node) {
@@ -161,7 +161,7 @@ EncoderNodes LayerReader::TakeEncoder(const std::string& name, int level, int in
   return block;
 }
 
-DecoderNodes LayerReader::TakeDecoder(const std::string& name, int level, int in, int out) {
+DecoderNodes LayerReader::ReadDecoder(const std::string& name, int level, int in, int out) {
   DecoderNodes block;
   block.in = in;
   block.out = out;
@@ -171,9 +171,9 @@ DecoderNodes LayerReader::TakeDecoder(const std::string& name, int level, int in
   const auto same = [](Eigen::Index nodes) -> Eigen::MatrixXf {
     return Eigen::MatrixXf::Identity(nodes, nodes);
   };
-  block.graph1 = TakeGraph(name + ".gconv1", out, in, Adjacency(level + 1), same(unpooling.rows()));
-  block.graph2 = TakeGraph(name + ".gconv2", out, out, unpooled, same(unpooling.cols()));
-  block.skip = TakeSkip(name, out, in);
+  block.graph1 = ReadGraph(name + ".gconv1", out, in, Adjacency(level + 1), same(unpooling.rows()));
+  block.graph2 = ReadGraph(name + ".gconv2", out, out, unpooled, same(unpooling.cols()));
+  block.skip = ReadSkip(name, out, in);
   const std::span<const int> clusters = ClustersOf(level);
   block.clusters.assign(clusters.begin(), clusters.end());
   for (Eigen::Index c = 0; c < unpooling.rows(); ++c) {

@@ -8,12 +8,12 @@
 #include "model/net/weights_file.h"
 
 // Reading of the keys, tensors and layers that the files of whole clips (FORMAT.md) and of live
-// streams (stgcn_causal/FORMAT.md) have in common. A fault is added where the file differs from its
-// format; the result is then of no use. Start-up code: it allocates. Pinned by
+// streams (stgcn_causal/FORMAT.md) have in common. A fault is added if the file differs from its
+// format; the result must then not be used. Start-up code: it allocates. Pinned by
 // tests/unit/net/stgcn/load_test.cpp.
 namespace styled::stgcn {
 
-// Reads the key "width". Returns 0, and adds a fault, where the kernels cannot run it.
+// Reads the key "width". Returns 0, and adds a fault, if the kernels cannot run it.
 int ReadWidth(const nlohmann::json& object, net::Faults& faults);
 // "contents": names of the acts of the training data, for people.
 void CheckContents(const nlohmann::json& object, net::Faults& faults);
@@ -25,7 +25,7 @@ struct Standardization {
   Features mean, deviation, inverse_deviation;
 };
 // Deviations must be usable as divisors. The hemispheres of `features` become the mean rotations.
-Standardization TakeStandardization(net::TensorReader& tensors, FeatureParameters& features,
+Standardization ReadStandardization(net::TensorReader& tensors, FeatureParameters& features,
                                     net::Faults& faults);
 
 // A matrix, or one term of several, in the order of the kernels.
@@ -38,19 +38,19 @@ class LayerReader {
   explicit LayerReader(net::TensorReader& tensors) : tensors_(tensors) {}
 
   // A 1 x 1 convolution of every node; with `nodes` above 0, and a bias of each node.
-  Linear TakeLinear(const std::string& name, int out, int in, int nodes);
-  Norm TakeNorm(const std::string& name, int channels);
-  // What a block from `level` to the coarser one, or from the coarser one to `level`, does with
-  // nodes. The skip path of the former pools so many frames.
-  EncoderNodes TakeEncoder(const std::string& name, int level, int in, int out, int frames);
-  DecoderNodes TakeDecoder(const std::string& name, int level, int in, int out);
+  Linear ReadLinear(const std::string& name, int out, int in, int nodes);
+  Norm ReadNorm(const std::string& name, int channels);
+  // How a block handles nodes from `level` to the coarser one, or from the coarser one to `level`.
+  // The skip path of the former pools this many frames.
+  EncoderNodes ReadEncoder(const std::string& name, int level, int in, int out, int frames);
+  DecoderNodes ReadDecoder(const std::string& name, int level, int in, int out);
   net::TensorReader& tensors() { return tensors_; }
 
  private:
-  GraphConv TakeGraph(const std::string& name, int out, int in,
+  GraphConv ReadGraph(const std::string& name, int out, int in,
                       const std::array<Eigen::MatrixXf, kLabelCount>& mixing,
                       const Eigen::MatrixXf& pooling);
-  net::PackedColumns TakeSkip(const std::string& name, int out, int in);
+  net::PackedColumns ReadSkip(const std::string& name, int out, int in);
 
   net::TensorReader& tensors_;
 };

@@ -5,8 +5,9 @@
 #include "model/net/kernels/rows.h"
 #include "model/net/stgcn/graph_conv.h"
 
-// The layers of the generator without what they do over time, in the order and layout in which the
-// kernels read them: what the networks of whole clips and of live streams (stgcn_causal) share.
+// The layers of the generator without their convolutions over time, in the order and layout in
+// which the kernels read them. Networks of whole clips and of live streams (stgcn_causal) share
+// them.
 namespace styled::stgcn {
 
 inline constexpr float kNormEpsilon = 1e-5F;      // in the variance of every normalization
@@ -34,8 +35,8 @@ struct EncoderNodes {
   std::vector<net::RowMixture::Part> pool_parts;
 };
 
-// Of an ST-AdaIN-ResBlk with unpooling, from V' nodes to V. Copies of a node stay one until the
-// second graph convolution. The skip path is scaled by 1 / sqrt 2.
+// Of an ST-AdaIN-ResBlk with unpooling, from V' nodes to V. Copies of a node stay a single one
+// until the second graph convolution. The skip path is scaled by 1 / sqrt 2.
 struct DecoderNodes {
   int in = 0, out = 0;
   GraphConv graph1, graph2;

@@ -1,5 +1,4 @@
 // Reads the file format of model/net/stgcn/FORMAT.md into a Network; an error is one sentence.
-#include <cmath>
 
 #include "model/net/stgcn/network.h"
 #include "model/net/stgcn/weights.h"
@@ -12,14 +11,14 @@ using net::Faults;
 using net::RowMajor;
 using net::TensorReader;
 
-GeneratorWeights TakeGenerator(LayerReader& layers, int width) {
+GeneratorWeights ReadGenerator(LayerReader& layers, int width) {
   GeneratorWeights g;
-  g.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
-  g.encoder[0] = TakeEncoder(layers, "g.enc1", 0, width, 2 * width, true);
-  g.encoder[1] = TakeEncoder(layers, "g.enc2", 1, 2 * width, 4 * width, true);
-  g.decoder[0] = TakeDecoder(layers, "g.dec1", 1, 4 * width, 2 * width);
-  g.decoder[1] = TakeDecoder(layers, "g.dec2", 0, 2 * width, width);
-  g.out = layers.TakeLinear("g.out", kChannels, width, 0);
+  g.in = layers.ReadLinear("g.in", width, kChannels, kNodes[0]);
+  g.encoder[0] = ReadEncoder(layers, "g.enc1", 0, width, 2 * width, true);
+  g.encoder[1] = ReadEncoder(layers, "g.enc2", 1, 2 * width, 4 * width, true);
+  g.decoder[0] = ReadDecoder(layers, "g.dec1", 1, 4 * width, 2 * width);
+  g.decoder[1] = ReadDecoder(layers, "g.dec2", 0, 2 * width, width);
+  g.out = layers.ReadLinear("g.out", kChannels, width, 0);
   return g;
 }
 
@@ -56,9 +55,9 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
 
   TensorReader tensors(file.view, faults);
   LayerReader layers(tensors);
-  w.standard = TakeStandardization(tensors, features, faults);
+  w.standard = ReadStandardization(tensors, features, faults);
   if (!faults.none()) return faults.status();
-  w.generator = TakeGenerator(layers, width);
+  w.generator = ReadGenerator(layers, width);
   const auto domains = static_cast<int>(file.model.styles.size());
   w.space = std::make_unique<const CodeSpace>(layers, features, w.standard, width, domains);
   tensors.Finish();

@@ -1,6 +1,5 @@
 #include "model/net/stgcn/network.h"
 
-#include <algorithm>
 #include <cassert>
 
 #include "model/net/stgcn/weights.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -25,14 +24,14 @@ inline constexpr int kNoise = 16;         // numbers that the mapping network ta
 inline constexpr int kReference = 64;     // frames that the style encoder takes
 inline constexpr int kReferenceHop = 16;  // between the windows of a longer reference
 inline constexpr int kLeastFrames = 8;    // of a clip
-// Channels of the finest level: a multiple of what the kernels compute at once, and so few that the
+// Channels of the finest level: a multiple of the kernels' block size, and few enough that the
 // weights fit into net::kMaxFileBytes.
 inline constexpr int kWidthStep = net::kRowPanel;
 inline constexpr int kMaxWidth = 96;
 inline constexpr int kFreeHead = -1;  // the head of the style encoder that needs no domain
 
-// A style: what the decoder's normalizations are computed from. The style encoder's are unbounded;
-// the mapping network's lie in (-1, 1).
+// A style: the decoder's normalizations are computed from it. The style encoder's codes are
+// unbounded; the mapping network's lie in (-1, 1).
 using Code = Eigen::Matrix<float, kCode, 1>;
 using Noise = Eigen::Matrix<float, kNoise, 1>;  // standard normal
 
@@ -46,7 +45,7 @@ struct Scratch {
 };
 
 // The networks of Park et al. 2021 (FORMAT.md): the generator, here in two halves, and those that
-// know what a style is (code_space.h). Features go in and come out in their units (features.h); the
+// define styles (code_space.h). Features go in and come out in their units (features.h); the
 // networks see them standardized. Immutable; shared by all threads, each with its own scratch.
 // Allocates; not for live streams. Pinned by tests/unit/net/stgcn and tests/parity.
 class Network {
@@ -66,19 +65,19 @@ class Network {
   const FeatureParameters& features() const { return features_; }
   int width() const;
 
-  // The generator's encoding of a clip: what is decoded in any style.
+  // The generator's encoding of a clip, to be decoded in any style.
   struct Content {
     int frames = 0;             // of the clip
     net::AlignedFloats values;  // [frames / 4 rounded up, 5, 4 width]
   };
-  // `clip`: at least kLeastFrames. A length that 4 does not divide is filled up with its last
+  // `clip`: at least kLeastFrames. A length that is not a multiple of 4 is extended with its last
   // frame. All normalizations are over the whole clip.
   void Encode(std::span<const Features> clip, Content& content, Scratch& scratch) const;
   // out: content.frames features. Rotations are not of length 1; the hips' x and z are 0.
   void Decode(const Content& content, const Code& code, std::span<Features> out,
               Scratch& scratch) const;
 
-  // What a style is to this network: codes for Decode.
+  // The space of this network's styles: codes for Decode.
   const CodeSpace& space() const;
 
  private:

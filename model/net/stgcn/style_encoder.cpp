@@ -12,12 +12,12 @@ using net::RowTerm;
 using net::TensorReader;
 
 constexpr float kLeak = 0.2F;  // of the leaky ReLU, also in net::RowKernels::activate
-// Windows of a reference that share one reading of the style encoder's largest matrix (21 MB).
+// Windows of a reference that share one pass over the style encoder's largest matrix (21 MB).
 constexpr int kWindowsTogether = 8;
 
 // The convolution over 16 frames of 5 nodes as one matrix; the trunk's floats are in the order
 // frame, node, channel, the file's in channel, frame, node.
-Linear TakeConv(TensorReader& tensors, int channels) {
+Linear ReadConv(TensorReader& tensors, int channels) {
   constexpr int kFrames = kReference / 4;
   const RowMajor weight = tensors.Tensor("e.conv.weight", {channels, channels, kFrames, kNodes[2]});
   const RowMajor bias = tensors.Vector("e.conv.bias", channels).transpose();
@@ -61,17 +61,17 @@ std::vector<int> WindowBegins(std::size_t frames) {
 
 StyleEncoder::StyleEncoder(LayerReader& layers, int width, int domains) {
   const int trunk = 4 * width;
-  in_ = layers.TakeLinear("e.in", width, kChannels, kNodes[0]);
-  blocks_[0] = TakeEncoder(layers, "e.res1", 0, width, 2 * width, false);
-  blocks_[1] = TakeEncoder(layers, "e.res2", 1, 2 * width, trunk, false);
-  conv_ = TakeConv(layers.tensors(), trunk);
+  in_ = layers.ReadLinear("e.in", width, kChannels, kNodes[0]);
+  blocks_[0] = ReadEncoder(layers, "e.res1", 0, width, 2 * width, false);
+  blocks_[1] = ReadEncoder(layers, "e.res2", 1, 2 * width, trunk, false);
+  conv_ = ReadConv(layers.tensors(), trunk);
   const RowMajor heads = layers.tensors().Tensor("e.heads.weight", {domains, kCode, trunk});
   const RowMajor bias = layers.tensors().Matrix("e.heads.bias", domains, kCode);
   for (int domain = 0; domain < domains; ++domain) {
     heads_.push_back({Eigen::Map<const RowMajor>(heads.row(domain).data(), kCode, trunk),
                       bias.row(domain).transpose()});
   }
-  heads_.push_back(TakeDense(layers.tensors(), "e.free", kCode, trunk));
+  heads_.push_back(ReadDense(layers.tensors(), "e.free", kCode, trunk));
 }
 
 Code StyleEncoder::Encode(const RowKernels& kernels, const Standardization& standard,

@@ -15,7 +15,7 @@ namespace {
 
 using net::Prediction;
 
-// What the generator makes of some frames.
+// The generator's result for some frames.
 struct Output {
   std::vector<Features> own, styled;
 };
@@ -39,7 +39,7 @@ class StgcnStream final : public net::ClipStream {
     if (extent_ == net::Extent::kByLength && frames_.size() > kLongestWhole) {
       extent_ = net::Extent::kWindows;
     }
-    // One frame more than the window: the next one then has frames of its own to end with.
+    // One frame more than the window, so that the next window has frames of its own to end with.
     while (extent_ == net::Extent::kWindows && frames_.size() > kWindow) RunWindow(kWindow, kHop);
   }
 
@@ -48,7 +48,7 @@ class StgcnStream final : public net::ClipStream {
     if (!frames_.empty()) RunWindow(frames_.size(), frames_.size());
   }
 
-  bool Take(Prediction& out) override {
+  bool Pop(Prediction& out) override {
     if (done_.empty()) return false;
     out = done_.front();
     done_.pop_front();
@@ -56,7 +56,7 @@ class StgcnStream final : public net::ClipStream {
   }
 
  private:
-  // Styles the first `count` frames that are left, and finishes with the first `finished` of them.
+  // Styles the first `count` remaining frames, and finishes the first `finished` of them.
   void RunWindow(std::size_t count, std::size_t finished) {
     std::span<const Features> clip(frames_.data(), count);
     std::vector<Features> filled;
@@ -70,7 +70,7 @@ class StgcnStream final : public net::ClipStream {
     network_->Decode(content_, network_->space().EncodeStyle(clip, input_style_, scratch_),
                      output.own, scratch_);
     network_->Decode(content_, code_, output.styled, scratch_);
-    // The last window's end fades into this one's beginning.
+    // The last window's end fades into the beginning of this window.
     const std::size_t overlap = std::min(last_.own.size(), count);
     for (std::size_t i = 0; i < overlap; ++i) {
       const double turn = std::numbers::pi / 2 * (static_cast<double>(i) + 0.5) /
@@ -99,8 +99,8 @@ class StgcnStream final : public net::ClipStream {
   net::Extent extent_;
   HeadingState heading_;
   std::vector<Features> frames_;     // not finished
-  std::vector<float> headings_rad_;  // theirs
-  Output last_;                      // of the first frames_, from the window before
+  std::vector<float> headings_rad_;  // the results of these frames
+  Output last_;                      // results of the first frames_, from the window before
   std::deque<Prediction> done_;
   Network::Content content_;
   Scratch scratch_;

@@ -17,10 +17,10 @@ inline constexpr const char* kFamily = "st-gcn";  // in weights files
 inline constexpr int kLongestWhole = 600;
 inline constexpr int kWindow = 256, kHop = 128;
 
-// Loads the networks of Park et al. 2021 from a weights file of the family kFamily (FORMAT.md).
-// A prediction's reconstruction is the generator with the clip's own code, from the same encoding
-// as the styled pose: what the encoding loses then cancels in the change of style. Errors name the
-// key or tensor. Allocates. Pinned by tests/unit/net/stgcn/stylizer_test.cpp.
+// Loads the networks of Park et al. 2021 from a weights file of the family kFamily (FORMAT.md). A
+// prediction's reconstruction is the generator with the clip's own code, from the same encoding as
+// the styled pose, so that the encoding's losses cancel in the change of style. Errors name the key
+// or tensor. Allocates. Pinned by tests/unit/net/stgcn/stylizer_test.cpp.
 Result<std::shared_ptr<const net::ClipStylizer>> Load(net::WeightsFile& file);
 
 }  // namespace styled::stgcn

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "model/net/kernels/rows.h"
 #include "model/net/weights_file.h"
 
@@ -15,19 +13,19 @@ struct TimeScratch {
 // A convolution over three frames, with zeros outside the clip, from C channels to C:
 //   y_t = bias + Σ_k W_k x_(t+k-1).
 // Four frames at a time by Winograd's minimal filtering F(4, 3) (Lavin and Gray 2016): six products
-// instead of twelve, exact but for rounding, which stays below 1e-5 of the result. Immutable; any
-// thread, each with its own scratch.
+// instead of twelve, exact except for rounding, which stays below 1e-5 of the result. Immutable;
+// any thread, each with its own scratch.
 class TimeConv {
  public:
   TimeConv() = default;
   // `weight`: [C, 3 C], element (o, 3 i + k) of W_k; `bias`: [C]; both are multiplied by `scale`.
   TimeConv(const net::RowMajor& weight, const Eigen::VectorXf& bias, float scale);
 
-  // The buffer that Run reads: room for `frames` frames, with zeros where it looks beyond them.
-  // Returns the first frame.
+  // The buffer that Run reads: room for `frames` frames, with zeros outside of them. Returns the
+  // first frame.
   float* Prepare(net::AlignedFloats& buffer, int frames, int nodes) const;
 
-  // What is added to the result, the skip path: [frames, rows, C], for node v its row row_of[v];
+  // The skip path, which is added to the result: [frames, rows, C], for node v its row row_of[v];
   // without `row_of` there is a row for each node.
   struct Skip {
     const float* x = nullptr;  // nullptr: nothing is added
@@ -35,7 +33,7 @@ class TimeConv {
     const int* row_of = nullptr;
   };
 
-  // x: [frames, nodes, C], prepared; y: the same shape; may be the skip path's where that has a row
+  // x: [frames, nodes, C], prepared; y: the same shape; may be the skip path's if that has a row
   // for each node.
   void Run(const net::RowKernels& kernels, const float* x, int frames, int nodes, const Skip& skip,
            float* y, TimeScratch& scratch) const;

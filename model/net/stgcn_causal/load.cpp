@@ -1,7 +1,6 @@
 // Reads the file format of model/net/stgcn_causal/FORMAT.md into a Network; an error is one
 // sentence.
 #include <algorithm>
-#include <cmath>
 
 #include "model/net/stgcn/layer_reader.h"
 #include "model/net/stgcn_causal/network.h"
@@ -63,25 +62,25 @@ class BlockReader {
  public:
   BlockReader(LayerReader& layers, Layout& layout) : layers_(layers), layout_(layout) {}
 
-  EncoderBlock TakeEncoder(const std::string& name, int level, int in, int out, int spacing) {
-    EncoderBlock block{layers_.TakeEncoder(name, level, in, out, 1), {}, {}, {}, {}, {}, {}};
+  EncoderBlock ReadEncoder(const std::string& name, int level, int in, int out, int spacing) {
+    EncoderBlock block{layers_.ReadEncoder(name, level, in, out, 1), {}, {}, {}, {}, {}, {}};
     const int wide = block.graph1.in_nodes(), nodes = block.graph1.out_nodes();
-    block.affine1 = layers_.TakeNorm(name + ".norm1", in);
-    block.affine2 = layers_.TakeNorm(name + ".norm2", in);
-    block.norm1 = TakePast(name + ".norm1", in, Equal(wide), 1);
-    block.norm2 = TakePast(name + ".norm2", in, Equal(nodes), 1);
-    block.time1 = TakeTime(name + ".tconv1", in, 1, spacing, nodes, 1);
-    block.time2 = TakeTime(name + ".tconv2", out, kPathShare, spacing, nodes, 1);
+    block.affine1 = layers_.ReadNorm(name + ".norm1", in);
+    block.affine2 = layers_.ReadNorm(name + ".norm2", in);
+    block.norm1 = ReadPastNorm(name + ".norm1", in, Equal(wide), 1);
+    block.norm2 = ReadPastNorm(name + ".norm2", in, Equal(nodes), 1);
+    block.time1 = ReadTimeConv(name + ".tconv1", in, 1, spacing, nodes, 1);
+    block.time2 = ReadTimeConv(name + ".tconv2", out, kPathShare, spacing, nodes, 1);
     return block;
   }
 
-  DecoderBlock TakeDecoder(const std::string& name, int level, int in, int out, int spacing) {
-    DecoderBlock block{layers_.TakeDecoder(name, level, in, out), 0, 0, {}, {}, {}, {}};
+  DecoderBlock ReadDecoder(const std::string& name, int level, int in, int out, int spacing) {
+    DecoderBlock block{layers_.ReadDecoder(name, level, in, out), 0, 0, {}, {}, {}, {}};
     const int nodes = block.graph1.in_nodes(), wide = block.graph2.out_nodes();
-    block.norm1 = TakePast(name + ".adain1", in, Equal(nodes), kDecodings);
-    block.norm2 = TakePast(name + ".adain2", out, block.cluster_sizes, kDecodings);
-    block.time1 = TakeTime(name + ".tconv1", out, 1, spacing, nodes, kDecodings);
-    block.time2 = TakeTime(name + ".tconv2", out, kPathShare, spacing, wide, kDecodings);
+    block.norm1 = ReadPastNorm(name + ".adain1", in, Equal(nodes), kDecodings);
+    block.norm2 = ReadPastNorm(name + ".adain2", out, block.cluster_sizes, kDecodings);
+    block.time1 = ReadTimeConv(name + ".tconv1", out, 1, spacing, nodes, kDecodings);
+    block.time2 = ReadTimeConv(name + ".tconv2", out, kPathShare, spacing, wide, kDecodings);
     return block;
   }
 
@@ -90,15 +89,15 @@ class BlockReader {
     return std::vector<float>(static_cast<std::size_t>(nodes), 1.0F);
   }
 
-  PastNorm TakePast(const std::string& name, int channels, const std::vector<float>& node_weights,
-                    int copies) {
+  PastNorm ReadPastNorm(const std::string& name, int channels,
+                        const std::vector<float>& node_weights, int copies) {
     const RowMajor mean = layers_.tensors().Vector(name + ".start_mean", channels);
     const RowMajor square = layers_.tensors().Vector(name + ".start_square", channels);
     return {mean, square, node_weights, copies, layout_};
   }
 
-  PastConv TakeTime(const std::string& name, int channels, float scale, int spacing, int nodes,
-                    int copies) {
+  PastConv ReadTimeConv(const std::string& name, int channels, float scale, int spacing, int nodes,
+                        int copies) {
     const RowMajor weight = layers_.tensors().Tensor(name + ".weight", {channels, channels, kTaps});
     const Eigen::VectorXf bias = layers_.tensors().Vector(name + ".bias", channels);
     return {weight, bias, scale, spacing, nodes, copies, layout_};
@@ -108,7 +107,7 @@ class BlockReader {
   Layout& layout_;
 };
 
-// Places for what a step computes, as large as the largest that lies there.
+// Places for a step's intermediate results, each as large as the largest result that uses it.
 class ScratchSizes {
  public:
   void Add(const EncoderBlock& block) {
@@ -121,13 +120,13 @@ class ScratchSizes {
     Cover(kDecodings, first, second, block.in, block.out);
     skip_ = std::max(skip_, kDecodings * Size(first.in_nodes(), block.out));
   }
-  void TakeFrom(Layout& layout, Scratch& scratch) const {
-    scratch.affine = layout.Take(2 * channels_);
-    scratch.sums = layout.Take(2 * channels_);
-    scratch.activated = layout.Take(activated_);
-    scratch.between = layout.Take(between_);
-    scratch.skip = layout.Take(skip_);
-    scratch.graph = layout.Take(graph_);
+  void ReserveFrom(Layout& layout, Scratch& scratch) const {
+    scratch.affine = layout.Reserve(2 * channels_);
+    scratch.sums = layout.Reserve(2 * channels_);
+    scratch.activated = layout.Reserve(activated_);
+    scratch.between = layout.Reserve(between_);
+    scratch.skip = layout.Reserve(skip_);
+    scratch.graph = layout.Reserve(graph_);
   }
 
  private:
@@ -183,7 +182,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   net::TensorReader tensors(file.view, faults);
   LayerReader layers(tensors);
   const stgcn::Standardization standard =
-      stgcn::TakeStandardization(tensors, network->features_, faults);
+      stgcn::ReadStandardization(tensors, network->features_, faults);
   if (!faults.none()) return faults.status();
   const auto copy = [](const stgcn::Features& from, net::AlignedFloats& to) {
     to.Grow(kFeatureCount);
@@ -195,12 +194,12 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
 
   Layout layout;
   BlockReader blocks(layers, layout);
-  w.in = layers.TakeLinear("g.in", width, kChannels, kNodes[0]);
-  w.encoder[0] = blocks.TakeEncoder("g.enc1", 0, width, 2 * width, spacing[0]);
-  w.encoder[1] = blocks.TakeEncoder("g.enc2", 1, 2 * width, 4 * width, spacing[1]);
-  w.decoder[0] = blocks.TakeDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
-  w.decoder[1] = blocks.TakeDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
-  w.out = layers.TakeLinear("g.out", kChannels, width, 0);
+  w.in = layers.ReadLinear("g.in", width, kChannels, kNodes[0]);
+  w.encoder[0] = blocks.ReadEncoder("g.enc1", 0, width, 2 * width, spacing[0]);
+  w.encoder[1] = blocks.ReadEncoder("g.enc2", 1, 2 * width, 4 * width, spacing[1]);
+  w.decoder[0] = blocks.ReadDecoder("g.dec1", 1, 4 * width, 2 * width, spacing[2]);
+  w.decoder[1] = blocks.ReadDecoder("g.dec2", 0, 2 * width, width, spacing[3]);
+  w.out = layers.ReadLinear("g.out", kChannels, width, 0);
   w.points = std::make_unique<const PointSpace>(layers, width);
   for (std::size_t i = 0; i < w.decoder.size(); ++i) {
     w.decoder[i].adain1 = w.points->norm(2 * i);
@@ -229,14 +228,14 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   constexpr auto kNode = [](int level) {
     return static_cast<std::size_t>(kNodes[static_cast<std::size_t>(level)]);
   };
-  s.standardized = layout.Take(kFeatureCount);
-  s.points = layout.Take(kDecodings * w.points->size());
-  s.in = layout.Take(kNode(0) * wide);
-  s.encoded = {layout.Take(kNode(1) * 2 * wide), layout.Take(kNode(2) * 4 * wide)};
-  s.decoded = {layout.Take(kDecodings * kNode(1) * 2 * wide),
-               layout.Take(kDecodings * kNode(0) * wide)};
-  s.out = layout.Take(kDecodings * kNode(0) * static_cast<std::size_t>(w.out.weight.columns()));
-  sizes.TakeFrom(layout, s);
+  s.standardized = layout.Reserve(kFeatureCount);
+  s.points = layout.Reserve(kDecodings * w.points->size());
+  s.in = layout.Reserve(kNode(0) * wide);
+  s.encoded = {layout.Reserve(kNode(1) * 2 * wide), layout.Reserve(kNode(2) * 4 * wide)};
+  s.decoded = {layout.Reserve(kDecodings * kNode(1) * 2 * wide),
+               layout.Reserve(kDecodings * kNode(0) * wide)};
+  s.out = layout.Reserve(kDecodings * kNode(0) * static_cast<std::size_t>(w.out.weight.columns()));
+  sizes.ReserveFrom(layout, s);
   w.state_size = layout.size();
   return std::shared_ptr<const Network>(network);
 }

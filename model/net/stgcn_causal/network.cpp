@@ -19,7 +19,7 @@ using stgcn::kNodes;
 
 std::size_t Size(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
 
-// What the layers of one step share.
+// The data that the layers of one step share.
 struct Frame {
   const RowKernels& kernels;
   float* memory;  // of the stream
@@ -53,7 +53,7 @@ void Multiply(const Frame& frame, const net::PackedColumns& weight, const float*
       {&weight, {&term, 1}, rows, nullptr, 1, nullptr, false, y, weight.columns()});
 }
 
-// LReLU(scale' x̂ + shift'), with the statistics that x is taken into. y: [nodes, channels].
+// LReLU(scale' x̂ + shift'), with the statistics that x is accumulated into. y: [nodes, channels].
 void Normalize(const Frame& frame, const PastNorm& norm, const float* by, const float* to,
                const float* x, int copy, int nodes, int channels, float* y) noexcept {
   float* const scale = frame.At(frame.scratch.affine);
@@ -282,7 +282,7 @@ void Network::Start(State& state) const noexcept {
   state.alone = 0;
 }
 
-// Without what a step writes before it reads it: the scratch is at the memory's end.
+// Excludes the scratch, which a step writes before it reads: it is at the memory's end.
 void Network::Carry(State& state, Checkpoint& c) const noexcept {
   const Weights& w = *weights_;
   std::span<float> kept(state.memory.data(), w.scratch.standardized);
@@ -311,7 +311,7 @@ void Network::Step(const stgcn::Features& features, int input_style,
   RunEncoder(frame, w.encoder[0], frame.At(s.in), frame.At(s.encoded[0]));
   RunEncoder(frame, w.encoder[1], frame.At(s.encoded[0]), frame.At(s.encoded[1]));
 
-  // 2. The points, and whether the second decoder goes on alone.
+  // 2. The points, and whether the second decoder continues alone.
   const int own = input_style > 0 && input_style < style_count() ? input_style : 0;
   const Requested requested(active, style_count());
   const std::size_t size = w.points->size();

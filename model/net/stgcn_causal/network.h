@@ -22,34 +22,34 @@ struct WeightsFile;
 
 namespace styled::stgcn_causal {
 
-// Limit of standardized features, in deviations: erd's, for the reason given there. Here a feature
-// far out would also be in the statistics of the next second.
+// Limit of standardized features, in deviations: erd's, for the reason given there. Here an outlier
+// would also affect the statistics of the next second.
 inline constexpr float kMaxStandardized = 4.0F;
-// After the last style's end the second decoder goes on alone for this many memories of the
+// After the last style's end the second decoder continues alone for this many memories of the
 // statistics, before it follows the first again. Larger: a smaller jump then, and a decoder's work
-// for longer. With random weights, of the difference in the first frame after the end: 5 leaves
-// 1 to 2 hundredths (3 mm, 0.3 degrees), 8 1 to 2 thousandths.
+// for longer. With random weights, of the difference in the first frame after the end: 5 leaves 1
+// to 2 hundredths (3 mm, 0.3 degrees), 8 1 to 2 thousandths.
 inline constexpr int kMemoriesAlone = 8;
 
 // The recurrent state of one stream and the scratch memory of its steps, made by
-// Network::MakeState. Value type; a copy goes on as the original would.
+// Network::MakeState. Value type; a copy continues like the original.
 struct State {
   net::AlignedFloats memory;  // rings, statistics, scratch; 0.3 MB at width 64
   std::uint64_t frame = 0;    // the next one
   double count = 0;           // N_(frame - 1)
-  int alone = 0;              // frames that the second decoder still goes on alone; 0: it follows
+  int alone = 0;              // remaining frames of the second decoder alone; 0: it follows
 };
 
-// Frames as the network gives them, in the units of stgcn/features.h: rotations are not of length
-// 1; the hips' x and z are 0.
+// Frames in the network's output units, those of stgcn/features.h: rotations are not of length 1;
+// the hips' x and z are 0.
 struct Output {
   stgcn::Features reconstruction;  // in the performer's own style
   stgcn::Features styled;          // in the requested styles
 };
 
-// The generator of Park et al. 2021 made causal: a frame comes out for each that goes in, computed
-// from it and those before it (FORMAT.md). Immutable; shared by all threads, each with its own
-// states. Pinned by tests/unit/net/stgcn_causal.
+// A causal version of the generator of Park et al. 2021: it returns one frame for each input frame,
+// computed from it and those before it (FORMAT.md). Immutable; shared by all threads, each with its
+// own states. Pinned by tests/unit/net/stgcn_causal.
 class Network {
  public:
   // Reads the file format of FORMAT.md. Errors name the file, the tensor or key, what was expected
@@ -62,7 +62,7 @@ class Network {
   ~Network();
   Network& operator=(const Network&) = delete;
 
-  // The styles: those of the file, and those of With after them.
+  // The styles: those of the file, followed by those of With.
   const net::Model& model() const { return model_; }
   const stgcn::FeatureParameters& features() const { return features_; }
   // 1 / deviation of each feature.
@@ -70,16 +70,17 @@ class Network {
   int width() const;
   int style_count() const { return static_cast<int>(model_.styles.size()); }
 
-  // What a style is to this network, by the styles of the file; and to its decoder.
+  // The space of this network's styles, by the styles of the file; and their points for its
+  // decoder.
   const stgcn::CodeSpace& space() const;
   const PointSpace& points() const;
-  // The same network with `code`, of a size that PointSpace has, as the style `number`: one more,
-  // style_count(), or another one in place of a style that With has added. Its variations are those
-  // of the nearest domain. The layers are shared: a state of the one is a state of the other.
-  // Allocates.
+  // A copy of the network with `code`, of a size that PointSpace accepts, as the style `number`: a
+  // new one, style_count(), or a replacement of a style that With has added. Its variations are
+  // those of the nearest domain. The layers are shared, and states of one network are valid for the
+  // other. Allocates.
   std::shared_ptr<const Network> With(int number, net::StyleInfo style,
                                       const net::StyleCode& code) const;
-  // The same network with the style `number`, one that With has added, as retired.
+  // A copy of the network in which the style `number`, added by With, is retired.
   std::shared_ptr<const Network> Retired(int number) const;
   bool SharesStates(const Network& other) const { return weights_ == other.weights_; }
 

@@ -24,7 +24,7 @@ PastConv::PastConv(const net::RowMajor& weight, const Eigen::VectorXf& bias, flo
       channels_(static_cast<int>(weight.rows())),
       copies_(copies),
       bias_(static_cast<std::size_t>(weight.rows())),
-      ring_(layout.Take(Size(2 * spacing + 1, copies, nodes) * Size(channels_, 1))) {
+      ring_(layout.Reserve(Size(2 * spacing + 1, copies, nodes) * Size(channels_, 1))) {
   const std::array<int, kTaps> depths{channels_, channels_, channels_};
   weight_ = net::PackedColumns(depths, channels_);
   for (int out = 0; out < channels_; ++out) {
@@ -76,7 +76,7 @@ PastNorm::PastNorm(const net::RowMajor& start_mean, const net::RowMajor& start_s
       node_weights_(std::move(node_weights)),
       share_(1 / std::accumulate(node_weights_.begin(), node_weights_.end(), 0.0F)),
       centre_(static_cast<std::size_t>(start_mean.size())),
-      sums_(layout.Take(Size(copies, 2, channels_))) {
+      sums_(layout.Reserve(Size(copies, 2, channels_))) {
   for (int c = 0; c < channels_; ++c) {
     const auto mean = static_cast<double>(start_mean(c, 0));
     centre_.data()[c] = start_mean(c, 0);

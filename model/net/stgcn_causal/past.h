@@ -8,11 +8,11 @@
 #include "model/net/kernels/rows.h"
 #include "model/net/weights_file.h"
 
-// The two layers that know a stream's past: convolutions over time and normalizations (equations:
-// FORMAT.md). A layer is immutable and shared by all threads; what it remembers of a stream lies in
-// that stream's memory, at places taken when the layer is made. A layer of the decoder has room for
-// kDecodings of them, the reconstruction first. The functions of a step allocate nothing. Pinned by
-// tests/unit/net/stgcn_causal/step_test.cpp.
+// The two layers that depend on a stream's past: convolutions over time and normalizations
+// (equations: FORMAT.md). A layer is immutable and shared by all threads; its state of a stream
+// lies in that stream's memory, at places assigned when the layer is made. A layer of the decoder
+// has room for kDecodings of them, the reconstruction first. The functions of a step allocate
+// nothing. Pinned by tests/unit/net/stgcn_causal/step_test.cpp.
 namespace styled::stgcn_causal {
 
 inline constexpr int kDecodings = 2;  // the performer's own style and the requested one
@@ -22,7 +22,7 @@ inline constexpr int kTaps = 3;
 class Layout {
  public:
   // At a 64-byte boundary.
-  std::size_t Take(std::size_t floats) {
+  std::size_t Reserve(std::size_t floats) {
     const std::size_t place = size_;
     size_ += (floats + net::kRowPanel - 1) / net::kRowPanel * net::kRowPanel;
     return place;
@@ -34,7 +34,7 @@ class Layout {
 };
 
 // y_t = bias + W_0 v_(t-2d) + W_1 v_(t-d) + W_2 v_t, from C channels to C, for each node; before
-// its first frame v was as in it. The inputs v lie in a ring.
+// the first frame v counts as equal to it. The inputs v lie in a ring.
 class PastConv {
  public:
   PastConv() = default;
@@ -48,7 +48,7 @@ class PastConv {
   // y: [copies, nodes, C], of the first `copies`. `add`, of the same shape, is added; it may be y.
   STYLED_REALTIME void Run(const net::RowKernels& kernels, float* memory, std::uint64_t frame,
                            int copies, const float* add, float* y) const noexcept;
-  // The second decoding's ring becomes the first's.
+  // Copies the second decoding's ring to the first's.
   STYLED_REALTIME void Follow(float* memory) const noexcept;
 
  private:
@@ -65,8 +65,8 @@ struct Forgetting {
 };
 
 // x̂ = (x - m) / sqrt(variance + ε) by channel, m and variance over the nodes of this frame and,
-// fading, of those before it. Sums are kept of x less the learned start of m, which the variance
-// does not depend on: rounding then matters less.
+// fading, of those before it. The sums are kept relative to the learned start of m, which does not
+// affect the variance and reduces rounding errors.
 class PastNorm {
  public:
   PastNorm() = default;
@@ -76,7 +76,8 @@ class PastNorm {
 
   // The statistics of a stream without frames, which count as `start_frames`.
   STYLED_REALTIME void Start(float start_frames, float* memory) const noexcept;
-  // Takes in x, [nodes, C], and writes x̂'s scale and shift, C numbers each. `scratch`: 2 C floats.
+  // Accumulates x, [nodes, C], and writes x̂'s scale and shift, C numbers each. `scratch`: 2 C
+  // floats.
   STYLED_REALTIME void Advance(const net::RowKernels& kernels, const float* x, int copy,
                                const Forgetting& past, float* memory, float* scale, float* shift,
                                float* scratch) const noexcept;

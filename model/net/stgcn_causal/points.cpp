@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <string>
 
 namespace styled::stgcn_causal {
 
@@ -16,7 +15,7 @@ PointSpace::PointSpace(stgcn::LayerReader& layers, int width) {
                                                                {"g.dec2.adain2", width}}};
   for (std::size_t i = 0; i < kNorms; ++i) {
     const auto& [name, channels] = norms[i];
-    adain_[i] = stgcn::TakeDense(layers.tensors(), name, 2 * channels, kCode);
+    adain_[i] = stgcn::ReadDense(layers.tensors(), name, 2 * channels, kCode);
     places_[i] = bias_;
     bias_ += static_cast<std::size_t>(2 * channels);
   }

@@ -12,17 +12,18 @@
 
 namespace styled::stgcn_causal {
 
-// A style as the decoder takes it: the scale and shift, [1 + γ; β], of each of its four
+// The form of a style that the decoder uses: the scale and shift, [1 + γ; β], of each of its four
 // normalizations, and a bias of its standardized output, [21, 7]. All of it is linear in the code,
-// so that points mix as codes do. Immutable, shared.
+// so that points can be mixed like codes. Immutable, shared.
 using Point = std::vector<float>;
 
 // From codes to points. A net::StyleCode of this family is one of
 //   64 numbers       a code; the bias is 0
 //   64 + 147         the code and the bias
-//   64 + 147 + 18 w  and what is added to scale and shift, in the order of the normalizations
-// The last is what a style is after it was refined on its clips: AdaIN's affine maps of that style
-// are then its own. Allocates; any thread. Pinned by tests/unit/net/stgcn_causal/points_test.cpp.
+// 64 + 147 + 18 w  the code, the bias, and additions to scale and shift, in the order of the
+// normalizations The last form belongs to a style that was refined on its clips: it has its own
+// affine maps of AdaIN. Allocates; any thread. Pinned by
+// tests/unit/net/stgcn_causal/points_test.cpp.
 class PointSpace {
  public:
   // Reads g.dec1.adain1, g.dec1.adain2, g.dec2.adain1 and g.dec2.adain2 of a network of `width`.
@@ -40,7 +41,7 @@ class PointSpace {
   bool IsSize(std::size_t numbers) const;
   // `code` of one of these sizes.
   std::shared_ptr<const Point> PointOf(const net::StyleCode& code) const;
-  // What differences of codes, a column each, are to scales and shifts: [bias(), columns].
+  // The scales and shifts of differences of codes, a column each: [bias(), columns].
   Eigen::MatrixXf Directions(const Eigen::MatrixXf& codes) const;
 
  private:

@@ -1,7 +1,6 @@
 #include "model/net/stgcn_causal/space.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace styled::stgcn_causal {
 namespace {
@@ -12,7 +11,7 @@ using stgcn::kCode;
 using stgcn::kFeatureCount;
 
 // The first frames of a stream are not the network's best: it does not know the example's own
-// statistics yet. Of a shorter example a half is left out.
+// statistics yet. For a shorter example half of it is left out.
 constexpr std::size_t kFirst = 32;
 
 StyleCode Head(const StyleCode& code) { return {code.begin(), code.begin() + kCode}; }

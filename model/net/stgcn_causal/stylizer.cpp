@@ -24,7 +24,7 @@ class CausalStream final : public net::Stream {
   Output output;
 };
 
-// The share of the styles in 0 .. 1: 0 where nothing is styled.
+// The total weight of the styles, within 0 .. 1: 0 if nothing is styled.
 float Shown(const net::StepJob& job) noexcept {
   float sum = 0;
   for (const net::StyleWeight& style : job.styles) {
@@ -34,8 +34,9 @@ float Shown(const net::StepJob& job) noexcept {
 }
 
 // The change of style is measured from a pose between the reconstruction and the input,
-// kTowardInput of the way: from the reconstruction, all of the performer's detail is kept, and with
-// it what the network would have taken away of their own style; from the input, none is.
+// kTowardInput of the way. Measured from the reconstruction, all of the performer's detail is kept,
+// including their own style, which the network would have removed; measured from the input, none is
+// kept.
 void MeasureFromBetween(const net::StepJob& job) noexcept {
   const float share = kTowardInput * Shown(job);
   if (share <= 0) return;

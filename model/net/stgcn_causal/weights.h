@@ -25,16 +25,16 @@ struct EncoderBlock : stgcn::EncoderNodes {
   PastConv time1, time2;
 };
 
-// An ST-AdaIN-ResBlk, from V' nodes to V. `adain1`, `adain2`: where a style's scale and shift,
-// [1 + γ; β], are in its point (points.h).
+// An ST-AdaIN-ResBlk, from V' nodes to V. `adain1`, `adain2`: the positions of a style's scale and
+// shift, [1 + γ; β], in its point (points.h).
 struct DecoderBlock : stgcn::DecoderNodes {
   std::size_t adain1 = 0, adain2 = 0;
   PastNorm norm1, norm2;
   PastConv time1, time2;
 };
 
-// Places of a step's intermediate results in the stream's memory. Where there are several
-// decodings, the first dimension is theirs.
+// Places of a step's intermediate results in the stream's memory. With several decodings, the first
+// dimension is theirs.
 struct Scratch {
   std::size_t standardized;              // [21, 7]
   std::size_t points;                    // [kDecodings, PointSpace::size()]

@@ -120,13 +120,14 @@ def apart(a, b):
 
 
 def gait_cycle(poses, start):
-    """The number of frames after which all figures look most as they did."""
+    """The number of frames after which all figures look most like their first frame."""
     low, high = (round(seconds * RATE_HZ) for seconds in CYCLE_S)
     return min(range(low, high), key=lambda n: sum(apart(clip[start], clip[start + n]) for clip in poses))
 
 
 def flattened(poses, start, count):
-    """Of one clip: per drawn frame {joint: (x, y)} in the picture, on a treadmill; the last is the first."""
+    """For one clip: per drawn frame {joint: (x, y)} in the picture, on a treadmill; the last is the
+    first."""
     begin, end = poses[start]['hips'], poses[start + count]['hips']
     way = [b - a for a, b in zip(begin, end)]
     heading = math.atan2(way[0], way[2])
@@ -174,7 +175,7 @@ def drawn(frames, colors, seconds):
 
 
 def licence_of(weights):
-    """What the weights' metadata says of it."""
+    """The licence in the weights' metadata."""
     with open(weights, 'rb') as file:
         length, = struct.unpack('<Q', file.read(8))
         metadata = json.loads(file.read(length))['__metadata__']
@@ -222,7 +223,7 @@ def main():
     def run(program, *options):
         path = os.path.join(arguments.bin, program)
         if not os.access(path, os.X_OK):
-            sys.exit(f'{path} is missing: build it, or say --bin FOLDER')
+            sys.exit(f'{path} is missing: build it, or give --bin FOLDER')
         done = subprocess.run([path, *options], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(f'{program}: {done.stderr.strip()}')

@@ -8,7 +8,7 @@ namespace styled::strips {
 inline constexpr Color kLeft{36, 106, 190}, kRight{205, 70, 50}, kTrunk{60, 60, 60},
     kFloor{200, 200, 200};
 
-// Where and from where a figure is drawn; its hips are at the middle.
+// The place and direction of a drawn figure; its hips are at the middle.
 inline constexpr float kFromTheRight_rad = 1.5707963F;
 struct Place {
   float centre_px = 0, floor_px = 0, scale_px = 92;  // per metre

@@ -1,7 +1,6 @@
 // Draws strips of stick figures: the input on top, and below it each style at the same moments. The
 // figures come from the same stylist that the daemon runs, at 120 Hz.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 
 #include "model/body/heading.h"
@@ -13,7 +12,7 @@
 #include "model/tools/number.h"
 #include "model/tools/strips/canvas.h"
 #include "model/tools/strips/figure.h"
-#include "model/train/judge/judge_stream.h"
+#include "model/train/judge/stream.h"
 #include "model/trial/trial.h"
 
 namespace {
@@ -154,7 +153,7 @@ int main(int argc, char** argv) {
       ->check(styled::Number(0, 86400))
       ->capture_default_str();
   app.add_option("--after", arguments.after_s,
-                 "Stream so many seconds before (the clip is looped, its path continued)")
+                 "Seconds streamed before (the clip is looped, its path continued)")
       ->check(styled::Number(0, 86400))
       ->capture_default_str();
   app.add_option("--every", arguments.every_s, "Seconds between figures")
@@ -165,13 +164,13 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--front", arguments.front, "Seen from the front, not from the right");
   app.add_flag("!--no-neutral", arguments.stylist.neutral,
-               "Do not take the performer's own carriage out before the network");
+               "Do not remove the performer's own carriage before the network");
   app.add_option("--posture", arguments.stylist.posture,
-                 "How much of a style's posture is kept where the network shows nothing of it")
+                 "How much of a style's posture is kept while the network shows none of it")
       ->check(styled::Number(0, 1))
       ->capture_default_str();
   app.add_flag("!--no-limb-gate", arguments.stylist.limb_gate,
-               "Do not withhold the style of limbs that the network does not know");
+               "Do not withhold the style of limbs in unknown motions");
   app.add_flag("--absolute", arguments.absolute, "The paper's absolute output");
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   if (arguments.input.empty() == arguments.script.empty()) {

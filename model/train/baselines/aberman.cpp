@@ -1,4 +1,3 @@
-#include <cmath>
 #include <random>
 
 #include "model/train/baselines/baseline.h"
@@ -57,7 +56,7 @@ struct GeneratorImpl : nn::Module {
         adain2(register_module("adain2", Adain(2 * c))),
         adain3(register_module("adain3", Adain(c))) {}
 
-  // [B, 147, T] to [B, 2c, T/4]: what happens, without its style.
+  // [B, 147, T] to [B, 2c, T/4]: the content, without its style.
   Tensor Encode(const Tensor& x) {
     const auto norm = [](const Tensor& y) {
       return torch::instance_norm(y, {}, {}, {}, {}, true, 0, 1e-5, false);
@@ -246,7 +245,7 @@ class Training {
     adversarial_loss_ = functional::softplus(-Of(nets_.critic(fake), batch.target)).mean();
     const Tensor own = nets_.generator->Decode(content, nets_.encoder(batch.like_source));
     content_loss_ = (own - batch.source).abs().mean();
-    // A code is nearer to another of its style than to the source's.
+    // A code is nearer to another code of its style than to the source's.
     const Tensor alike = nets_.encoder(batch.reference2);
     const Tensor other = nets_.encoder(batch.source);
     const Tensor apart = (batch.style != batch.target).to(torch::kFloat);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 
 namespace styled::train::baselines {
@@ -29,7 +28,7 @@ Tensor ToTensor(std::span<const float> values) {
 
 }  // namespace
 
-// Collects the clip, styles it at its end.
+// Collects the clip, and styles it at its end.
 class BaselineStream final : public net::ClipStream {
  public:
   BaselineStream(const Baseline& baseline, const Features& mean, const Features& deviation,
@@ -44,7 +43,7 @@ class BaselineStream final : public net::ClipStream {
     own_ = baseline_.Own(clip).t().contiguous();
     styled_ = baseline_.Styled(clip, code_).t().contiguous();
   }
-  bool Take(net::Prediction& out) override {
+  bool Pop(net::Prediction& out) override {
     if (!styled_.defined() || taken_ == poses_.size()) return false;
     Decode(own_, out.reconstruction);
     Decode(styled_, out.styled);
@@ -204,14 +203,14 @@ std::unique_ptr<net::ClipStream> Baseline::MakeStream(const net::StyleCode& code
 void Iterate(const Budget& budget, const std::function<void(double progress)>& step,
              const std::function<std::string()>& state) {
   const std::clock_t begin = std::clock();
-  double said_s = 0;
+  double reported_s = 0;
   for (long i = 0; i < budget.iterations; ++i) {
     const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     const double by_time = seconds / (60 * budget.minutes);
     if (by_time >= 1) break;
     step(std::max(by_time, static_cast<double>(i) / static_cast<double>(budget.iterations)));
-    if (seconds - said_s < kSayEvery_s) continue;
-    said_s = seconds;
+    if (seconds - reported_s < kSayEvery_s) continue;
+    reported_s = seconds;
     std::fprintf(stderr, "%6ld iterations, %4.0f s: %s\n", i + 1, seconds, state().c_str());
   }
 }

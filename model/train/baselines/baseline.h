@@ -19,7 +19,7 @@
 // (model/net/stgcn/features.h), standardized, as [147, T].
 namespace styled::train::baselines {
 
-// What a baseline is trained on. The clips must outlive it.
+// The training data of a baseline. The clips must outlive it.
 struct Material {
   Material(const clip::Manifest& manifest, const std::vector<TrainingClip>& clips);
 
@@ -35,15 +35,15 @@ inline constexpr int kLeastFrames = 8;
 
 struct Budget {
   double minutes = 10;          // of processor time, which other programs do not shorten
-  long iterations = 1'000'000;  // whichever ends first
+  long iterations = 1'000'000;  // the run ends at whichever comes first
   int batch = 16;
 };
 
 // A network of whole clips. Its style codes are vectors of any length.
 class Baseline : public net::ClipStylizer {
  public:
-  // Reads the networks from `file` if that exists; else trains them, with progress on stderr, and
-  // writes them there. Then computes the mean code of each style. Throws if the file is of a
+  // Reads the networks from `file` if that exists; otherwise trains them, with progress on stderr,
+  // and writes them there. Then computes the mean code of each style. Throws if the file is of a
   // network of other sizes, or was trained on other clips.
   void TrainOrLoad(const Budget& budget, const std::filesystem::path& file);
 
@@ -63,7 +63,7 @@ class Baseline : public net::ClipStylizer {
   virtual torch::Tensor Own(const torch::Tensor& clip) const = 0;
 
   // A clip of poses at the model's rate as the networks see it; at its end the last frame is
-  // repeated as often as T demands.
+  // repeated as often as T requires.
   torch::Tensor Read(std::span<const body::Pose> poses, std::vector<float>* headings_rad) const;
 
  protected:
@@ -97,7 +97,7 @@ int AbermanChannels(double macs);
 // Holden et al. 2016, "A Deep Learning Framework for Character Motion Synthesis and Editing": a
 // convolutional auto-encoder; a clip's style is the Gram matrix of its hidden units, and a clip is
 // restyled by moving its hidden units towards another's Gram matrix, by gradient descent.
-// `style_weight`: of the Gram matrix's relative error against the content's.
+// `style_weight`: the weight of the Gram matrix's relative error compared with the content's.
 std::unique_ptr<Baseline> MakeHolden(const Material& material, double style_weight,
                                      std::uint64_t seed = 1);
 // Multiply-adds for a window of 64 frames: encoder, decoder and the descent between them.

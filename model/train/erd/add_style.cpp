@@ -44,7 +44,7 @@ Result<std::vector<int64_t>> PlacesOfAdded(const Config& config,
     const auto present = std::find(init.styles.begin(), init.styles.end(), name);
     if (present != init.styles.end() && !config.replace) {
       return Status::Error("add-style: " + config.init.string() + " already has a style \"" + name +
-                           "\"; --replace learns it anew");
+                           "\"; --replace trains it again");
     }
     places.push_back(present != init.styles.end() ? present - init.styles.begin() : behind++);
   }

@@ -12,12 +12,12 @@
 #include "model/train/erd/weights.h"
 
 // Styles that are added to trained weights (styletrain add-style): a run on neutral and the new
-// styles alone, whose branches are then put among those of the weights it started from.
+// styles alone, whose branches are then added to those of the initial weights.
 namespace styled::train::style_erd {
 
-// The indices that the manifest's styles but neutral will have in the weights. Refuses a manifest
-// of other styles than config.add_styles, a style that `init` has already (unless config.replace),
-// and more styles than a weights file can have.
+// The indices that the manifest's styles except neutral will have in the weights. Refuses a
+// manifest of other styles than config.add_styles, a style that `init` already has (unless
+// config.replace), and more styles than a weights file can have.
 Result<std::vector<int64_t>> PlacesOfAdded(const Config& config,
                                            const std::filesystem::path& manifest_file,
                                            const clip::Manifest& manifest,
@@ -30,7 +30,7 @@ std::unique_ptr<Generator> WithStyles(const Generator& base, const Generator& fe
                                       const std::vector<int64_t>& places, const torch::Tensor& mean,
                                       const torch::Tensor& deviation);
 // The metadata for it: `styles`, names and aliases, at `places`; `training`, a JSON object, is
-// appended to the list "added" in how base was trained.
+// appended to the list "added" in the record of base's training.
 std::string WithStyles(const std::string& base, const std::vector<clip::ManifestStyle>& styles,
                        const std::vector<int64_t>& places, const std::string& training);
 

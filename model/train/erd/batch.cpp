@@ -19,7 +19,7 @@ struct BatchMaker::Buffers {
   }
 
   Tensor features, yaw, step, content, carried, idle, paired;
-  Tensor input;  // undefined where no window is miscalibrated: the features are the input
+  Tensor input;  // undefined if no window is miscalibrated: the features are the input
 };
 
 BatchMaker::BatchMaker(const std::vector<TrainingClip>& clips, int contents, int frames,
@@ -53,7 +53,7 @@ void BatchMaker::Fill(const Sampler::Window& window, int64_t index, Buffers& out
                 .feature_stride = count * erd::kFeatureCount},
                wrong ? &draw : nullptr);
   }
-  if (window.idle) {  // the first frame, held: nothing moves
+  if (window.idle) {  // the first frame, held: no motion
     out.features.narrow(1, index, 1)
         .copy_(out.features.narrow(0, 0, 1).narrow(1, index, 1).clone());
     if (out.input.defined()) out.input.narrow(1, index, 1).copy_(out.features.narrow(1, index, 1));

@@ -11,7 +11,7 @@
 namespace styled::train::style_erd {
 
 // Windows as tensors on the device, time-major: T = window + 1 frames (velocities need one more
-// than is judged), B windows.
+// than the judged ones), B windows.
 struct Batch {
   torch::Tensor features, yaw_change_rad, hips_step_m;  // [T, B, 211], [T, B], [T, B, 3]
   torch::Tensor u;                                      // features, standardized
@@ -20,7 +20,7 @@ struct Batch {
   torch::Tensor content;               // [B, contents] one-hot
   torch::Tensor carried, idle;         // [B] bool
   torch::Tensor paired;  // [B] 1 where the target style was recorded in the window's content
-  std::vector<Sampler::Window> windows;  // what they are made of
+  std::vector<Sampler::Window> windows;  // their sources
 };
 
 // Makes batches of the sampler's windows. `clips` must outlive it. One thread.
@@ -44,10 +44,10 @@ class BatchMaker {
   torch::Tensor mean_, deviation_;
 };
 
-// What another performer, rig or floor does to the features, roughly and for the cost of some
-// random numbers: each is off by a constant of the window and by noise of the frame. Both have a
-// size drawn per window from [0, 1], times `offset` and `noise` (in deviations). u [T, B, 211];
-// seeded by `seed` alone, so that a resumed run continues bit for bit.
+// A rough and cheap model of the effect of another performer, rig or floor on the features: each is
+// off by a constant of the window and by noise of the frame. Both have a size drawn per window from
+// [0, 1], times `offset` and `noise` (in deviations). u [T, B, 211]; seeded by `seed` alone, so
+// that a resumed run continues bit for bit.
 torch::Tensor Disturb(const torch::Tensor& u, double offset, double noise, uint64_t seed);
 
 }  // namespace styled::train::style_erd

@@ -1,7 +1,6 @@
 #include "model/train/erd/clip_teacher.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,11 +12,11 @@ namespace {
 
 using torch::Tensor;
 
-// Two rates are one where clips need no resampling between them.
+// Two rates count as equal if clips need no resampling between them.
 constexpr double kSameRate = 1e-3;
 // Mean error of reconstruction over joints and frames above which a clip is foreign to the teacher.
-// Of the clips that one was trained on, 95 in 100 are below 0.09; walks of other performers and
-// rigs have 0.2 to 0.5.
+// Of its own training clips, 95 in 100 are below 0.09; walks of other performers and rigs have 0.2
+// to 0.5.
 constexpr double kForeign_rad = 0.12;
 
 }  // namespace
@@ -33,7 +32,7 @@ ClipTeacher::OfClip ClipTeacher::Changed(const net::ClipStylizer& network, const
   OfClip out;
   net::Prediction prediction;
   for (const body::Pose& pose : clip.poses) {
-    if (!stream->Take(prediction)) break;
+    if (!stream->Pop(prediction)) break;
     auto& output = out.by_output.emplace_back();
     auto& change = out.by_change.emplace_back();
     for (int joint = 0; joint < body::kJointCount; ++joint) {
@@ -86,7 +85,7 @@ Result<ClipTeacher> ClipTeacher::Make(const net::ClipStylizer& network,
   return teacher;
 }
 
-// Between two frames, along the straight line: they are alike.
+// Between two frames, by linear interpolation, because they are similar.
 void ClipTeacher::Read(const Frames& clip, double at, body::Pose& change, float& rise_m) {
   const auto last = static_cast<double>(clip.size() - 1);
   const double place = std::clamp(at, 0.0, last);

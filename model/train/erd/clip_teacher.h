@@ -13,21 +13,20 @@
 
 namespace styled::train::style_erd {
 
-// What a network that sees whole clips (net::ClipStylizer) makes of every training clip: neutral
-// clips in each style that it teaches, by the style's mean code, and clips of those styles in
-// neutral. Where it reconstructs a clip well, its own output is what is taught, not its change of
-// style: a student that learns from the change inherits the teacher's errors of reconstruction.
-// Where it does not, as with another rig, its change is taught: its output would be another body.
-// Immutable; any thread.
+// The output of a network that sees whole clips (net::ClipStylizer) for every training clip:
+// neutral clips in each style that it teaches, by the style's mean code, and clips of those styles
+// in neutral. If it reconstructs a clip well, its own output is taught, not its change of style: a
+// student that learns from the change inherits the teacher's errors of reconstruction. Otherwise,
+// as with another rig, its change is taught, because its output would be another body. Immutable;
+// any thread.
 class ClipTeacher {
  public:
-  // What the pose of a frame must be changed by: rotations [T, B, 21, 4], input⁻¹ ∘ taught, the
-  // hips' relative to the heading, and the rise of the hips [T, B], m. The identity and 0 where
-  // nothing is taught.
+  // The change of a frame's pose: rotations [T, B, 21, 4], input⁻¹ ∘ taught, the hips' relative to
+  // the heading, and the rise of the hips [T, B], m. The identity and 0 if nothing is taught.
   struct Changes {
     torch::Tensor rotations, rise_m;
   };
-  // The styles that a slot's window is in and goes to, indices into Manifest::styles.
+  // The source and target style of a slot's window, indices into Manifest::styles.
   struct Roles {
     std::vector<int> input, target;
   };
@@ -41,8 +40,8 @@ class ClipTeacher {
   // The share of clips of which its change is taught, not its output.
   double share_by_change() const { return share_by_change_; }
 
-  // Of `frames` frames of each window, on the CPU: what the teacher changes `lead` frames later, a
-  // clip's last frame held. An idle window has its first frame's.
+  // For `frames` frames of each window, on the CPU: the teacher's change `lead` frames later, with
+  // a clip's last frame held. An idle window has its first frame's.
   Changes Of(const std::vector<Sampler::Window>& windows, const Roles& roles, int frames,
              double lead = 0) const;
 
@@ -53,7 +52,7 @@ class ClipTeacher {
 
   ClipTeacher() = default;
   static void Read(const Frames& clip, double at, body::Pose& change, float& rise_m);
-  // What one clip is changed by, and how well the clip is reconstructed.
+  // The change of one clip, and how well the clip is reconstructed.
   struct OfClip {
     Frames by_output, by_change;
     double error_rad = 0;
@@ -61,7 +60,7 @@ class ClipTeacher {
   static OfClip Changed(const net::ClipStylizer& network, const TrainingClip& clip, int input_style,
                         int style);
 
-  // By style and clip; empty where it is not taught. Clips of a style are under that style.
+  // By style and clip; empty if it is not taught. Clips of a style are under that style.
   std::vector<std::vector<Frames>> changes_;
   double share_by_change_ = 0;
 };

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "model/base/status.h"
+#include "model/train/flags.h"
 
 namespace styled::train::style_erd {
 
@@ -20,22 +20,23 @@ struct Config {
   // lesson is STYLE[/CONTENT][*GAIN]: only in windows of that content, and with GAIN (0, 10] times
   // the change to the style. Of several for one style and content the last counts.
   std::vector<std::string> teachers;
-  // What a teacher that sees whole clips does so much later is taught, s. The stylist's low-pass
-  // delays the change of style: a student that is ahead by its delay is on time when published.
+  // The lead over a teacher that sees whole clips, s: its change so much later is taught. The
+  // stylist's low-pass delays the change of style: a student that is ahead by its delay is on time
+  // when published.
   double teacher_lead_s = 0.0;
-  // The share [0, 1) of neutral windows that are idle: one frame in which both feet are down and
-  // the hands too, held for seconds, since no data set has long idle postures. The target there is
-  // the mean of what a teacher changes in windows of the content `idle_as`. Needs a teacher.
+  // The share [0, 1) of neutral windows that are idle: one frame with both feet and the hands down,
+  // held for seconds, because no data set has long idle postures. Their target is the mean of the
+  // teacher's changes in windows of the content `idle_as`. Needs a teacher.
   double idle = 0.0;
   std::string idle_as = "walk";
   // Contents in which performers idle: their neutral windows are taught like idle ones.
   std::vector<std::string> idle_contents;
-  // Contents in which a style changes nothing: acts that no style was recorded in, so that a
-  // teacher's guess is all there is, and the performer's own motion is better.
+  // Contents in which a style changes nothing: acts that no style was recorded in, for which a
+  // teacher can only guess and the performer's own motion is better.
   std::vector<std::string> kept_contents;
   // The names of styles that are added to `init`, everything else frozen (the paper's future work,
-  // C.1). The manifest must have neutral and these styles alone; the exported weights have all
-  // other styles of init, bit for bit, and them.
+  // C.1). The manifest must have only neutral and these styles; the exported weights have all other
+  // styles of init, bit for bit, and the new ones.
   std::vector<std::string> add_styles;
   bool replace = false;  // they may be among init's, and are then trained from there
 
@@ -73,26 +74,27 @@ struct Config {
   // Without the adversarial loss FMD is three times as large; without the perceptual one it is
   // smaller (RESULTS.md, Table 1), and content stays recognized.
   double w_adversarial = 1.0, w_perceptual = 0.1;
-  double w_movement = 0.0, w_legs = 0.0;  // of critics of these alone (views.h)
-  double w_penalty = 128.0;               // gradient penalty of the critic, eq. 6
+  double w_penalty = 128.0;  // gradient penalty of the critic, eq. 6
   double w_moments = 0.0;  // distance of each style's mean effect from the clips' (moments.h), m²
   // Distance from the teachers' changes of style: eq. 2 of the rotations; mean squares of the
   // positions that follow, hips' rise included, m², and of their velocities, (m/s)².
   double w_teacher = 0.5, w_teacher_position = 0.0, w_teacher_velocity = 0.0;
-  // Second difference of the change of style; the jerk of the output against its expression.
+  // Second difference of the change of style: less jerk of the output, less expression.
   double w_smooth = 10.0;
   double smooth_from = 0.2, smooth_full = 0.3;  // shares of the run between which it is ramped in
 
-  // What the paper's ablations leave out (besides losses, by their weights).
+  // The parts that the paper's ablations leave out (besides losses, by their weights).
   bool attention = true;        // false: a plain multi-class discriminator
   bool learned_states = true;   // false: recurrent states start at zero
   bool judge_published = true;  // critic and classifier see the detail-preserving output
-  bool judge_root = true;       // and velocities that include the path of the hips
 
   int penalty_every = 1;  // iterations between gradient penalties, which are as much stronger
   int critic_first = 0;   // iterations in which only the critic learns, for a run with `init`
   int classifier_iterations = 1500;
 };
+
+// A flag for each member of `config`, which must outlive the rows.
+std::vector<FlagGroup> FlagsOf(Config& config);
 
 // Refuses values outside their ranges and flags that need others. Errors name the flag.
 Status Check(const Config& config);

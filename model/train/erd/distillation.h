@@ -23,8 +23,8 @@ namespace styled::train::style_erd {
 // One thread.
 class Distillation {
  public:
-  // What it has to know of the run. `idle_content` is the content whose mean change of style is the
-  // target of idle windows; -1: there are none. mean, deviation [211] on the device.
+  // The data about the run that it needs. `idle_content` is the content whose mean change of style
+  // is the target of idle windows; -1: there are none. mean, deviation [211] on the device.
   struct Setup {
     const clip::Manifest& manifest;
     const std::vector<TrainingClip>& clips;
@@ -38,43 +38,43 @@ class Distillation {
   explicit Distillation(Setup setup);
 
   // Adds a teacher for the styles that its lessons name, or, without lessons, for all that it and
-  // the run have. Where it teaches, earlier teachers no longer do. Refuses other feature statistics
-  // than the run's and lessons that it or the run cannot have.
+  // the run have. For these it replaces earlier teachers. Refuses other feature statistics than the
+  // run's and lessons that it or the run cannot have.
   Status Add(const LoadedWeights& weights, const std::vector<Lesson>& lessons);
-  // The same of a network that sees whole clips; it works through all of them here.
+  // The same for a network that sees whole clips; it processes all of them here.
   Status Add(const net::ClipStylizer& network, const std::vector<Lesson>& lessons);
   bool empty() const { return teachers_.empty(); }
 
-  // What the generator does to the input: its change of style [T, B, 21, 4], the joints' positions
+  // The generator's effect on the input: its change of style [T, B, 21, 4], the joints' positions
   // that follow from it [T, B, 21, 3], relative to the hips, and the rise of the hips [T, B], m.
   // Positions may be undefined: only rotations are compared then.
   struct Student {
     torch::Tensor change, positions_m, rise_m;
   };
-  // How far that is from the teachers': the distance of eq. 2, m², (m/s)²; means over windows with
-  // a teacher.
+  // The distance of that effect from the teachers': the distance of eq. 2, m², (m/s)²; means over
+  // windows with a teacher.
   struct Distance {
     torch::Tensor rotation, position, velocity;
   };
   // Also adds to the means for idle windows.
   Distance Apart(const Batch& batch, const Student& student);
 
-  // Carried states and means, under "teacher.N.". Restore throws where they do not fit. Teachers
-  // that the run has got since the checkpoint have nothing in it, and begin anew.
+  // Carried states and means, under "teacher.N.". Restore throws if they do not fit. Teachers added
+  // since the checkpoint have no state in it, and start without one.
   void Save(Checkpoint& checkpoint) const;
   void Restore(const Checkpoint& checkpoint);
 
  private:
   struct Teacher {
-    std::unique_ptr<Generator> generator;  // its styles are in the run's order; or else:
+    std::unique_ptr<Generator> generator;  // its styles are in the run's order; otherwise:
     std::unique_ptr<ClipTeacher> clips;
     Carried carried;
-    torch::Tensor gain;  // [B, contents] of its change in the slot; 0: it does not teach there
+    torch::Tensor gain;  // [B, contents] of its change in the slot; 0: not taught there
     // Of its changes to a style in windows of idle_content: the sum of rotation vectors, [styles,
     // 21, 3], that of the rise [styles], and their number [styles]. Undefined without idle windows.
     torch::Tensor mean_sum, rise_sum, mean_count;
   };
-  // What a teacher's change in each window is compared with, and whether it is.
+  // The teacher's change in each window for comparison, and whether there is one.
   struct Target {
     torch::Tensor change;  // [T, B, 21, 4], gain included
     torch::Tensor rise_m;  // [T, B], gain included

@@ -1,7 +1,6 @@
 #include "model/train/erd/learner.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include "model/train/geometry.h"
@@ -119,16 +118,6 @@ Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
       critic_adam_((critic_.parameters.Flatten(device), critic_.parameters), config.beta1,
                    config.beta2) {
   classifier_.parameters.Flatten(device);
-  for (const auto& [view, name, weight] :
-       {std::tuple(View::kMovement, "movement", config.w_movement),
-        std::tuple(View::kLegs, "legs", config.w_legs)}) {
-    if (weight <= 0) continue;
-    Critic critic(FeaturesOf(view), StyleCount(manifest_), ContentCount(manifest_), config.window,
-                  config.attention);
-    critic.parameters.Flatten(device);
-    Adam adam(critic.parameters, config.beta1, config.beta2);
-    partial_.push_back({view, name, weight, std::move(critic), std::move(adam)});
-  }
   average_.parameters.RequireGradient(false);
   average_.parameters.flat().copy_(generator_.parameters.flat());
   AssignSlots();
@@ -172,8 +161,8 @@ Status Learner::AddTeacher(const net::ClipStylizer& network, const std::vector<L
   return teachers_->Add(network, lessons);
 }
 
-// A badly calibrated window must come out as the well calibrated one would: `rec` is then compared
-// with that, and the change of style is put on that before it is judged.
+// A badly calibrated window must have the same output as the well calibrated one: `rec` is compared
+// with that, and the change of style is applied to it before it is judged.
 Learner::Generated Learner::Generate(const Batch& batch) {
   const Decoded decoded = generator_.Transfer(batch.input, slots_, batch.carried, carried_);
   const int64_t count = slots_.count();
@@ -197,21 +186,19 @@ Learner::Generated Learner::Generate(const Batch& batch) {
                deviation_[erd::kHipsHeightIndex];
   // The lowest foot stays as high as the input's.
   const Tensor lift = LowestFoot(batch.positions) - LowestFoot(sty_positions);
-  const Tensor step = config_.judge_root ? batch.hips_step_m : torch::zeros_like(batch.hips_step_m);
-  out.fake =
-      Judged(sty_positions.narrow(0, 1, frames_ - 1),
-             WorldVelocities(sty_positions, batch.yaw_change_rad, step, lift, config_.rate_hz));
+  out.fake = Judged(sty_positions.narrow(0, 1, frames_ - 1),
+                    WorldVelocities(sty_positions, batch.yaw_change_rad, batch.hips_step_m, lift,
+                                    config_.rate_hz));
   return out;
 }
 
 // Real +1, fake -1, and the gradient penalty on real windows (eq. 5, 6).
-Tensor Learner::CriticLoss(const Batch& batch, const Critic& critic, const Tensor& real,
-                           const Tensor& fake, const std::string& of) {
+void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
   const bool penalized = iteration_ % config_.penalty_every == 0;
-  const Tensor x = real.detach().requires_grad_(penalized);
-  const Tensor real_score = critic(x, torch::cat({slots_.input_one_hot, batch.content}, 1));
+  const Tensor x = Real(batch).detach().requires_grad_(penalized);
+  const Tensor real_score = critic_(x, torch::cat({slots_.input_one_hot, batch.content}, 1));
   const Tensor fake_score =
-      critic(fake.detach(), torch::cat({slots_.target_one_hot, batch.content}, 1));
+      critic_(fake.detach(), torch::cat({slots_.target_one_hot, batch.content}, 1));
   const Tensor judgement =
       (real_score - 1.0).square().mean() + PairedMean(batch, (fake_score + 1.0).square());
   Tensor loss = judgement;
@@ -220,41 +207,24 @@ Tensor Learner::CriticLoss(const Batch& batch, const Critic& critic, const Tenso
     const Tensor penalty = config_.w_penalty * config_.penalty_every *
                            gradient.square().sum(torch::IntArrayRef({0, 2})).mean();
     loss = loss + penalty;
-    tally_.Add("penalty" + of, penalty);
+    tally_.Add("penalty", penalty);
   }
-  tally_.Add("critic" + of, judgement);
-  tally_.Add("real" + of, real_score.mean());
-  tally_.Add("fake" + of, fake_score.mean());
-  return loss;
-}
-
-void Learner::StepCritics(const Batch& batch, const Tensor& fake, double rate) {
-  const Tensor real = Real(batch);
-  if (config_.w_adversarial > 0) {
-    const Tensor loss = CriticLoss(batch, critic_, real, fake, "");
-    critic_.parameters.ZeroGradient();
-    loss.backward();
-    critic_adam_.Step(critic_.parameters, rate);
-  }
-  for (PartialCritic& partial : partial_) {
-    const Tensor loss = CriticLoss(batch, partial.critic, Seen(real, partial.view),
-                                   Seen(fake, partial.view), std::string("_") + partial.name);
-    partial.critic.parameters.ZeroGradient();
-    loss.backward();
-    partial.adam.Step(partial.critic.parameters, rate);
-  }
+  tally_.Add("critic", judgement);
+  tally_.Add("real", real_score.mean());
+  tally_.Add("fake", fake_score.mean());
+  critic_.parameters.ZeroGradient();
+  loss.backward();
+  critic_adam_.Step(critic_.parameters, rate);
 }
 
 // All losses that have a weight; only the generator's parameters move.
 void Learner::StepGenerator(const Batch& batch, const Generated& generated, double progress,
                             double rate) {
   critic_.parameters.RequireGradient(false);
-  for (PartialCritic& partial : partial_) partial.critic.parameters.RequireGradient(false);
   Tensor loss = Reconstruction(batch, generated);
   if (config_.w_adversarial > 0) {
     loss = loss + config_.w_adversarial * Adversarial(batch, generated);
   }
-  if (!partial_.empty()) loss = loss + PartialAdversarial(batch, generated);
   if (config_.w_perceptual > 0) {
     const Tensor perceptual = Perceptual(batch, generated);
     tally_.Add("perceptual", perceptual);
@@ -269,7 +239,6 @@ void Learner::StepGenerator(const Batch& batch, const Generated& generated, doub
   generator_.parameters.ZeroGradient();
   loss.backward();
   critic_.parameters.RequireGradient(true);
-  for (PartialCritic& partial : partial_) partial.critic.parameters.RequireGradient(true);
   if (trained_.defined()) generator_.parameters.gradient().mul_(trained_);
   generator_adam_.Step(generator_.parameters, rate);
 }
@@ -290,8 +259,8 @@ void Learner::Step(double progress) {
                           seed_ * 1000003 + static_cast<uint64_t>(iteration_));
   }
   const Generated generated = Generate(batch);
-  if (config_.w_adversarial > 0 || !partial_.empty()) {
-    StepCritics(batch, generated.fake, config_.critic_rate * decay);
+  if (config_.w_adversarial > 0) {
+    StepCritic(batch, generated.fake, config_.critic_rate * decay);
   }
   if (iteration_ < config_.critic_first) {
     ++iteration_;
@@ -318,12 +287,6 @@ void Learner::Save(Checkpoint& checkpoint) const {
   t["generator.second"] = generator_adam_.second;
   t["critic.first"] = critic_adam_.first;
   t["critic.second"] = critic_adam_.second;
-  for (const PartialCritic& partial : partial_) {
-    const std::string name = std::string("critic.") + partial.name;
-    t[name] = partial.critic.parameters.flat();
-    t[name + ".first"] = partial.adam.first;
-    t[name + ".second"] = partial.adam.second;
-  }
   t["moments"] = moments_.Save();
   t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
   SaveCarried(carried_, "", checkpoint);
@@ -350,16 +313,9 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
     generator_adam_.second.copy_(t.at("generator.second"));
     critic_adam_.first.copy_(t.at("critic.first"));
     critic_adam_.second.copy_(t.at("critic.second"));
-    for (PartialCritic& partial : partial_) {
-      const std::string name = std::string("critic.") + partial.name;
-      partial.critic.parameters.flat().copy_(t.at(name));
-      partial.adam.first.copy_(t.at(name + ".first"));
-      partial.adam.second.copy_(t.at(name + ".second"));
-    }
     moments_.Restore(t.at("moments"));
     iteration_ = t.at("iteration").item<int64_t>();
     critic_adam_.steps = iteration_;
-    for (PartialCritic& partial : partial_) partial.adam.steps = iteration_;
     generator_adam_.steps = std::max<int64_t>(0, iteration_ - config_.critic_first);
     RestoreCarried(checkpoint, "", carried_);
     teachers_->Restore(checkpoint);

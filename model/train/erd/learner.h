@@ -17,18 +17,17 @@
 #include "model/train/erd/distillation.h"
 #include "model/train/erd/moments.h"
 #include "model/train/erd/networks.h"
-#include "model/train/erd/views.h"
 #include "model/train/erd/weights.h"
 #include "model/train/recipe.h"
 #include "model/train/sampler.h"
 
 namespace styled::train::style_erd {
 
-// What critics see, and what the classifier of contents sees: the first of a frame's features.
+// What the critic sees, and what the classifier of contents sees: the first of a frame's features.
 inline constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
 inline constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 
-// Sums of losses, kept on the device so that the log is the only place that waits for it.
+// Sums of losses, kept on the device so that only the log waits for it.
 class Tally {
  public:
   void Add(const std::string& name, const torch::Tensor& value);
@@ -39,7 +38,7 @@ class Tally {
   std::vector<std::pair<std::string, torch::Tensor>> sums_;
 };
 
-// What a learner learns from. All of it must outlive the learner.
+// A learner's training data. All of it must outlive the learner.
 struct LearnerData {
   const clip::Manifest& manifest;
   const std::vector<TrainingClip>& clips;
@@ -56,11 +55,11 @@ class Learner {
   Learner(const Config& config, uint64_t seed, const LearnerData& data,
           const torch::Device& device);
 
-  // Starts from trained weights instead of random ones: what the styles share, and the branches of
-  // those that `weights` has by name. Another style starts as a copy of the one whose branch
-  // reconstructs it best. The statistics must be those of `weights`.
+  // Starts from trained weights instead of random ones: the part shared by all styles, and the
+  // branches of those that `weights` has by name. Another style starts as a copy of the one whose
+  // branch reconstructs it best. The statistics must be those of `weights`.
   Status StartFrom(const LoadedWeights& weights);
-  // Teaches from now on what `weights` make of the same windows (Distillation::Add).
+  // From now on teaches the output of `weights` for the same windows (Distillation::Add).
   Status AddTeacher(const LoadedWeights& weights, const std::vector<Lesson>& lessons);
   Status AddTeacher(const net::ClipStylizer& network, const std::vector<Lesson>& lessons);
   // Trains the content classifier on real windows of all styles, then freezes it.
@@ -82,7 +81,7 @@ class Learner {
   Tally& tally() { return tally_; }
 
  private:
-  // What the generator makes of a batch.
+  // The generator's output for a batch.
   struct Generated {
     torch::Tensor rec, rec_positions;          // D(input style), [T, B, 21, 4 or 3]
     torch::Tensor rec_velocities, rec_height;  // the heads, standardized
@@ -101,9 +100,7 @@ class Learner {
   // learner.cpp
   void AssignSlots();
   Generated Generate(const Batch& batch);
-  void StepCritics(const Batch& batch, const torch::Tensor& fake, double rate);
-  torch::Tensor CriticLoss(const Batch& batch, const Critic& critic, const torch::Tensor& real,
-                           const torch::Tensor& fake, const std::string& of);
+  void StepCritic(const Batch& batch, const torch::Tensor& fake, double rate);
   void StepGenerator(const Batch& batch, const Generated& generated, double progress, double rate);
   void UpdateAverage();
 
@@ -113,7 +110,6 @@ class Learner {
   torch::Tensor PairedMean(const Batch& batch, const torch::Tensor& score) const;
   torch::Tensor Reconstruction(const Batch& batch, const Generated& generated);
   torch::Tensor Adversarial(const Batch& batch, const Generated& generated);
-  torch::Tensor PartialAdversarial(const Batch& batch, const Generated& generated);
   torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;
   torch::Tensor MomentMatching(const Batch& batch, const Generated& generated);
   torch::Tensor Smoothness(const Generated& generated);
@@ -134,15 +130,6 @@ class Learner {
   Generator generator_, average_;
   Critic critic_;
   ContentClassifier classifier_;
-  // Critics of a part of what critic_ sees, beside it; those that have a weight.
-  struct PartialCritic {
-    View view;
-    const char* name;
-    double weight;
-    Critic critic;
-    Adam adam;
-  };
-  std::vector<PartialCritic> partial_;
   Adam generator_adam_, critic_adam_;
 
   torch::Tensor trained_;  // 1 where a parameter is trained; undefined: all

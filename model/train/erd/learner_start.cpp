@@ -1,4 +1,5 @@
-// How a run starts: the classifier, other weights than random ones, and which of them are trained.
+// The start of a run: the classifier, initial weights other than random ones, and the selection of
+// trained weights.
 #include <algorithm>
 #include <iostream>
 

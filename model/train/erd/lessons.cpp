@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMaxGain = 10;  // a larger one is a typing error: 1.25 is the largest that helped
 
-// What follows the * of a lesson.
+// The text after the * of a lesson.
 Result<double> ParseGain(const std::string& lesson, std::size_t star) {
   double gain = 0;
   const char* const first = lesson.data() + star + 1;

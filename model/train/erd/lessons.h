@@ -8,8 +8,8 @@
 
 namespace styled::train::style_erd {
 
-// What a student imitates of a teacher: the changes to and from a style, with `gain` times the
-// change to it.
+// A student's lesson from a teacher: the changes to and from a style, with `gain` times the change
+// to it.
 struct Lesson {
   std::string style;
   std::string content;  // only in windows of it; empty: in all

@@ -1,4 +1,4 @@
-// The losses of the generator and what the critic sees.
+// The losses of the generator and the critic's input.
 #include "model/train/erd/learner.h"
 #include "model/train/geometry.h"
 
@@ -9,7 +9,7 @@ using torch::Tensor;
 
 }  // namespace
 
-// What the critic sees: standardized positions and velocities, [T, B, 126].
+// The critic's input: standardized positions and velocities, [T, B, 126].
 Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const {
   const Tensor raw = torch::cat({positions.flatten(2, 3), velocities.flatten(2, 3)}, 2);
   return (raw - mean_.narrow(0, erd::kPositionBegin, kJudgedFeatures)) /
@@ -17,15 +17,9 @@ Tensor Learner::Judged(const Tensor& positions, const Tensor& velocities) const 
 }
 
 Tensor Learner::Real(const Batch& batch) const {
-  if (config_.judge_root) {
-    return batch.u.narrow(0, 1, frames_ - 1)
-        .narrow(2, erd::kPositionBegin, kJudgedFeatures)
-        .contiguous();
-  }
-  const Tensor still = torch::zeros_like(batch.hips_step_m);
-  return Judged(batch.positions.narrow(0, 1, frames_ - 1),
-                WorldVelocities(batch.positions, batch.yaw_change_rad, still,
-                                torch::zeros_like(batch.yaw_change_rad), config_.rate_hz));
+  return batch.u.narrow(0, 1, frames_ - 1)
+      .narrow(2, erd::kPositionBegin, kJudgedFeatures)
+      .contiguous();
 }
 
 // The mean over windows whose target the critic knows in their content: where a label pair was
@@ -53,24 +47,12 @@ Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
          config_.w_velocity * velocity + config_.w_height * height;
 }
 
-// The critic's score of what is transferred, whose target is 0 (eq. 5).
+// The critic's score of transferred windows, whose target is 0 (eq. 5).
 Tensor Learner::Adversarial(const Batch& batch, const Generated& generated) {
   const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
   const Tensor loss = PairedMean(batch, critic_(generated.fake, labels).square());
   tally_.Add("adversarial", loss);
   return loss;
-}
-
-Tensor Learner::PartialAdversarial(const Batch& batch, const Generated& generated) {
-  const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
-  Tensor sum = torch::zeros({}, batch.u.options());
-  for (const PartialCritic& partial : partial_) {
-    const Tensor loss =
-        PairedMean(batch, partial.critic(Seen(generated.fake, partial.view), labels).square());
-    tally_.Add(std::string("adversarial_") + partial.name, loss);
-    sum = sum + partial.weight * loss;
-  }
-  return sum;
 }
 
 // Transferred rotations of the judged frames as features, [T - 1, B, 84].
@@ -110,7 +92,7 @@ Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
   return loss;
 }
 
-// The second difference over time of the change of style: what keeps the output from jerking.
+// The second difference over time of the change of style: reduces jerk of the output.
 Tensor Learner::Smoothness(const Generated& generated) {
   const Tensor log_change = LogQuaternion(generated.change);
   const Tensor smooth = log_change.diff(2, 0).square().sum(torch::IntArrayRef({0, 2, 3})).mean();

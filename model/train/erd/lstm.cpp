@@ -20,8 +20,8 @@ MatrixMap Group(const Tensor& tensor, long group, long rows, long columns) {
   return {tensor.data_ptr<float>() + group * rows * columns, rows, columns};
 }
 
-// What the forward pass keeps for the backward pass. Gates are stored after their nonlinearity,
-// which is what the backward pass needs. [G, T, N, 4Z or Z].
+// The data that the forward pass keeps for the backward pass. Gates are stored after their
+// nonlinearity, as the backward pass needs them. [G, T, N, 4Z or Z].
 struct Activations {
   Tensor gates, outputs, cells, cell_tanh;
 };
@@ -58,7 +58,7 @@ void Forward(const Shape& s, long group, const Tensor& x, const Tensor& wi, cons
   }
 }
 
-// What the backward pass of a group reads.
+// The data that the backward pass of a group reads.
 struct Saved {
   Tensor x, wi, wh, h0, c0;
   Activations made;

@@ -20,7 +20,7 @@ double MeanJerk(const Tensor& positions) {
   return p.diff(3, 0).square().sum(-1).sqrt().mean().item<double>();
 }
 
-// The columns of one figure, and what the summary has of it.
+// The columns of one figure, and its part of the summary.
 void AddFigure(const std::string& figure, const std::vector<std::string>& styles,
                const std::vector<double>& values, MonitorReport& report) {
   std::ostringstream text;

@@ -12,12 +12,12 @@
 
 namespace styled::train::style_erd {
 
-// A cheap look at how a run learns, on fixed windows of neutral validation clips, in the published
+// A cheap check of a run's progress, on fixed windows of neutral validation clips, in the published
 // (detail-preserving) form, over the contents in which a style was recorded. Not the evaluation:
 // styleeval judges published poses. Figures: reconstruction_deg, the mean angle per joint between
 // reconstruction and input; then per style expression (the shift of the mean pose along the real
-// one's, 1 where they are equal), cosine (between the two shifts) and jerk_ratio (mean joint jerk
-// over the input's). One thread.
+// one's, 1 if they are equal), cosine (between the two shifts) and jerk_ratio (mean joint jerk over
+// the input's). One thread.
 class Monitor {
  public:
   // Needs neutral clips of at least 49 frames in every content; other contents are left out.
@@ -32,7 +32,7 @@ class Monitor {
   static constexpr int kSkipped = 8;  // frames that the states need to settle
   static constexpr int kWindowsPerContent = 6;
 
-  // What is measured of a transfer to one style, or of the reconstruction.
+  // The measurements of a transfer to one style, or of the reconstruction.
   struct Sequences {
     torch::Tensor z_neutral, z_residual, one_hot, rec, input;
     torch::Tensor positions;  // of the input, without the skipped frames

@@ -51,13 +51,13 @@ struct Stack {
         int64_t width);
   // The learned states, for `samples` samples of each group.
   StackState Initial(int64_t samples) const;
-  // Those, but `carried` where `mask` [groups or 1, samples, 1] says so.
+  // Those, but `carried` where `mask` [groups or 1, samples, 1] is set.
   StackState Start(const StackState& carried, const torch::Tensor& mask) const;
   // x [G, T, N, Z]; `state` is where the window starts and, detached, where it ended.
   torch::Tensor operator()(torch::Tensor x, StackState& state) const;
 };
 
-// What the decoder says of a frame, standardization undone.
+// The decoder's output for a frame, with the standardization undone.
 struct Decoded {
   torch::Tensor rotations;   // [T, B, 21, 4], unit
   torch::Tensor velocities;  // [T, B, 63], standardized
@@ -77,8 +77,8 @@ struct Slots {
 struct Carried {
   StackState neutral, branches;
 };
-// As tensors of a checkpoint whose names begin with `prefix`. RestoreCarried throws (c10::Error)
-// where states of another batch are found; `carried` must have the shape of this one.
+// As tensors of a checkpoint whose names begin with `prefix`. RestoreCarried throws (c10::Error) if
+// it finds states of another batch; `carried` must have the shape of this one.
 void SaveCarried(const Carried& carried, const std::string& prefix, Checkpoint& checkpoint);
 void RestoreCarried(const Checkpoint& checkpoint, const std::string& prefix, Carried& carried);
 
@@ -98,14 +98,14 @@ class Generator {
 
   // Every slot's window in its input style, then every one in its target: [T, 2B, ...]. Neutral
   // windows are reconstructed by r_0 alone and transferred with their slot's branch, styled ones
-  // the other way. `goes_on` [B] bool: which windows start where `carried` says; it is brought up
-  // to their ends.
+  // the other way. `goes_on` [B] bool: the windows that start from `carried`, which is updated to
+  // their ends.
   Decoded Transfer(const torch::Tensor& u, const Slots& slots, const torch::Tensor& goes_on,
                    Carried& carried) const;
   // Learned states for all slots, without gradients.
   Carried Start(const Slots& slots) const;
-  // Copies what all styles share from `from`, a generator of the same widths, and for style i of
-  // this one the branch and input columns of its style `source[i]`. Errors name the tensor.
+  // Copies the part shared by all styles from `from`, a generator of the same widths, and for style
+  // i of this one the branch and input columns of its style `source[i]`. Errors name the tensor.
   Status CopyStyles(const Generator& from, const std::vector<int64_t>& source);
 
   Parameters parameters;

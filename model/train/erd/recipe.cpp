@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -21,7 +20,7 @@ namespace {
 
 using torch::Tensor;
 
-// What a run reads before its first random number.
+// The data that a run reads before its first random number.
 struct Inputs {
   TrainingData data;
   std::optional<LoadedWeights> init;
@@ -44,7 +43,7 @@ class StyleErdRecipe : public Recipe {
         monitor_(inputs_.data.validation, manifest().styles, static_cast<int>(contents()),
                  inputs_.parameters, learner_.mean(), learner_.deviation()) {}
 
-  // What a resumed run needs, too.
+  // The data that a resumed run needs, too.
   Status AddTeachers();
 
   std::string_view family() const override { return kFamily; }

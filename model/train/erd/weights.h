@@ -14,7 +14,7 @@
 
 namespace styled::train::style_erd {
 
-// What a weights file has besides its tensors.
+// The content of a weights file besides its tensors.
 struct WeightsMetadata {
   std::vector<std::pair<std::string, std::vector<std::string>>> styles;  // name, aliases
   double rate_hz = 30.0, heading_tau_s = 0.25;
@@ -32,8 +32,8 @@ Status WriteWeights(const Generator& generator, const torch::Tensor& mean,
                     const torch::Tensor& deviation, const std::string& metadata,
                     const std::filesystem::path& file);
 
-// A weights file in a generator on the CPU. Errors name file and tensor; a tensor that is missing
-// or has another shape is one. tests/parity runs shipped weights through this, the trainer's own
+// A weights file in a generator on the CPU. Errors name file and tensor, including a tensor that is
+// missing or has another shape. tests/parity runs shipped weights through this, the trainer's own
 // code.
 struct LoadedWeights {
   std::unique_ptr<Generator> generator;

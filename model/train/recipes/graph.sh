@@ -5,7 +5,7 @@
 . "$(dirname "$0")/recipe.sh"
 
 train_st_gcn
-# The shipped weights were made in three parts: first what the teacher makes; then its change of style
+# The shipped weights were made in three parts: first the teacher's output; then its change of style
 # as much later as the stylist's low-pass is late, and larger; then more smoothly.
 run=(--family st-gcn-causal --init "$runs/st-gcn/weights.safetensors"
   --manifest "$manifests/bandai-2.toml" --seed 1)

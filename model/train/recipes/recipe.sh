@@ -102,7 +102,7 @@ recipe_run() {
   [ "$dry_run" = yes ] || "$@"
 }
 
-declare -A recipe_sessions=()  # of each run in this recipe: a resumed one goes on
+declare -A recipe_sessions=()  # of each run in this recipe: a resumed one continues
 recipe_train() {  # recipe_train COMMAND... -- NAME LENGTH_OPTION LENGTH OPTIONS...
   local command=() length
   while [ "$1" != -- ]; do

@@ -13,7 +13,7 @@ import sys
 
 STYLES = 'active,elderly,exhausted,feminine,masculine,youthful'
 FEMALE, MALE, XIA, SET_2 = 'accad/Female1/Female1_', 'accad/Male2/Male2_', 'xia/', 'bandai-2-val/dataset-2_'
-# Title, patterns of clips, and which content of the manifest they show, where that can be told.
+# Title, patterns of clips, and which content of the manifest they show, where that is known.
 ROWS = [
     ('Female1, walks', [FEMALE + x for x in ('B01_*', 'B02_WalkToStand.bvh', 'B03_*', 'B10_*', 'B13_*')], 'walk'),
     ('Male2, walks', [MALE + x for x in ('B1_*', 'B2_*', 'B3_*', 'B10_*', 'B13_*')], 'walk'),
@@ -41,7 +41,7 @@ COLUMNS = [('turned, degrees', 'turned_deg', 1), ('moved, cm', 'moved_cm', 1), (
 
 
 def measure(options, weights, files, content, name):
-    """What styleacts says of these clips; None where the weights cannot be asked."""
+    """The output of styleacts for these clips; None for weights that it cannot run."""
     out = os.path.join(options.out, name + '.json')
     command = [options.styleacts, '--weights', weights, '--styles', STYLES, '--json', out]
     if content:

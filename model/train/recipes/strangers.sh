@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What weights do to people whom no training saw, and to those of set 2's validation: the table "Strangers" of
-# RESULTS.md, in Markdown. Beside each figure, what the simplest method has: a constant offset per style, and the
+# The effect of weights on people who are in no training data, and on those of set 2's validation: the table "Strangers" of
+# RESULTS.md, in Markdown. Beside each figure, that of the simplest methods: a constant offset per style, and the
 # posture alone, which is what is left where the network is shut out. Minutes on one core.
 recipe_needs='WEIGHTS '
 recipe_sets="bandai-2-train bandai-2-val"

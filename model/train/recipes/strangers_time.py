@@ -6,7 +6,7 @@ Degrees by which a joint is turned, the mean of all joints, live over what it is
 whole clip: in the second second and from 2.5 to 3.5 s of a walk that begins from nothing; in the first second where
 another walk of the same person was shown before (calibrated); in the tenth minute of a walk that is repeated over what
 it is in the first one. Then what it is while a stranger stands, waits and talks over what it is of the training's
-performer who stands: a wave's first frame, held, since set 2 has nobody who only stands. Means of six styles, and the
+performer who stands: a wave's first frame, held, since set 2 has no clip of a performer who only stands. Means of six styles, and the
 least.
 """
 import os

@@ -13,14 +13,14 @@ inputs differ. "-": not measured.
     SRA        windows that are recognized as the target style
     movement, legs    the same by judges of movement alone, of the legs' pose and of the legs' movement
     jerk       at 120 Hz, over the input's
-    APD cm     distance between outputs of one input in one style (judge_codes.h)
+    APD cm     distance between outputs of one input in one style (judge/codes.h)
 """
 import json
 import statistics
 import sys
 
 FIGURES = {'offset': 'baseline', 'offset_per_content': 'baseline_per_content'}
-# What a real or neutral clip scores stands beside every set's own figures.
+# The score of a real or neutral clip stands beside every set's own figures.
 FMD = {'real': 'fmd_real_real', 'neutral': 'fmd_neutral_target'}
 VARIETY = {'noise': 'noise', 'styled': 'examples'}
 JUDGES = {'accuracy': 'content', 'SRA': 'style', 'movement': 'movement', 'legs, pose': 'legs_pose',
@@ -72,7 +72,7 @@ def table(rows):
 
 
 def provenance_of(judged):
-    """What must be the same in all files of a table."""
+    """The values that must be the same in all files of a table."""
     return {part: judged['provenance'][part] for part in SAME}
 
 

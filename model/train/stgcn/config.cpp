@@ -1,9 +1,5 @@
 #include "model/train/stgcn/config.h"
 
-#include <cmath>
-#include <utility>
-
-#include "model/base/text.h"
 #include "model/net/stgcn/network.h"
 
 namespace styled::train::st_gcn {
@@ -30,55 +26,95 @@ void AsInThePaper(Config& config) {
   config.w_posture = config.w_read = 0;
 }
 
-Status Check(const Config& config) {
-  const auto refuse = [](const char* flag, double found, const char* expected) {
-    return Status::Error(std::string(flag) + ": found " + NumberText(found) + ", expected " +
-                         expected);
+std::vector<FlagGroup> FlagsOf(Config& c) {
+  using enum Range;
+  return {
+      {"Data",
+       {
+           {"--heading-tau", &c.heading_tau_s, kAtLeast0, "Time constant of the heading filter, s"},
+           {"--hop", &c.hop, kAtLeast1, "Frames between the starts of two windows of a clip"},
+           {"--mirror", &c.mirror, kAny, "1: half of the windows are mirror images"},
+           {"--shared-contents", &c.shared_contents, kAny,
+            "1: sources have a content in which the target domain was recorded"},
+           {"--unpaired", &c.unpaired, k0To1,
+            "Share of sources of any content, which the critic does not see"},
+       }},
+      {"Network",
+       {
+           {"--width", &c.width, kAny, "Channels of the finest level, a multiple of 16 up to 96"},
+           {"--node-bias", &c.node_bias, kAny, "1: every joint has a bias of its own"},
+           {"--content-critic", &c.content_critic, kAny,
+            "1: the critic also says whether the content is the source's"},
+           {"--scaled-heads", &c.scaled_heads, kAny,
+            "1: smaller outputs at first, else the critic wins at once"},
+           {"--precision",
+            &c.precision,
+            kAny,
+            "Of activations; auto: bf16 where it is fast",
+            {"auto", "fp32", "bf16"}},
+       }},
+      {"Schedule",
+       {
+           {"--batch", &c.batch, kAtLeast1, "Windows in a batch"},
+           {"--warm-up", &c.warm_up, kAtLeast0, "Iterations of identity alone"},
+           {"--both-turns", &c.both_turns, kAny,
+            "1: noise and references in every iteration, 0: in turn"},
+           {"--encoder-learns-from-references", &c.encoder_learns_from_references, kAny,
+            "1: the style encoder learns in their turn, too; 0: from noise's alone"},
+           {"--same-clip", &c.same_clip, kAny,
+            "1: identity takes the code of another window of the clip"},
+           {"--generator-rate", &c.generator_rate, kAtLeast0,
+            "Learning rate of the generator at the start (Adam)"},
+           {"--critic-rate", &c.critic_rate, kAtLeast0, "The same of the critic"},
+           {"--encoder-rate", &c.encoder_rate, kAtLeast0, "The same of the style encoder"},
+           {"--mapping-rate", &c.mapping_rate, kAtLeast0, "The same of the mapping network"},
+           {"--warm-up-rate", &c.warm_up_rate, kAtLeast0, "Of all of them during the warm-up"},
+           {"--beta1", &c.beta1, k0To1, "Adam's decay of the mean gradient, per iteration"},
+           {"--beta2", &c.beta2, k0To1, "Adam's decay of the squared gradient, per iteration"},
+           {"--weight-decay", &c.weight_decay, kAtLeast0, "Adam's decay of the weights"},
+           {"--decay-to", &c.decay_to, k0To1,
+            "Share of the learning rates that is left at the end; they fall quadratically"},
+           {"--ema", &c.ema, k0To1,
+            "Share of the running mean of the weights, which is exported, that an iteration keeps; "
+            "0: the weights of the moment"},
+       }},
+      {"Losses",
+       {
+           {"--w-adversarial", &c.w_adversarial, kAtLeast0, "Weight of the critic"},
+           {"--w-cycle", &c.w_cycle, kAtLeast0, "Of the way to another style and back"},
+           {"--w-identity", &c.w_identity, kAtLeast0, "Of a window decoded in its own style"},
+           {"--w-style", &c.w_style, kAtLeast0, "Of the style code, read again off the output"},
+           {"--w-penalty", &c.w_penalty, kAtLeast0, "Of the critic's gradient penalty, R1"},
+           {"--penalty-every", &c.penalty_every, kAtLeast1,
+            "Gradient penalty every so many iterations, as much stronger"},
+           {"--w-diversity", &c.w_diversity, kAtLeast0,
+            "Of the distance of two outputs of one source, at first"},
+           {"--diversity-target", &c.diversity_target_cm, kAtLeast0,
+            "Distance of two outputs, cm, that its weight is steered to; 0: constant"},
+           {"--w-fk", &c.w_fk, kAtLeast0,
+            "Of positions' distance to those that follow from the rotations"},
+           {"--w-free", &c.w_free, kAtLeast0, "Of the encoder's head for clips without a label"},
+           {"--free-head-teaches", &c.free_head_teaches, kAny,
+            "1: its gradient reaches the layers below"},
+           {"--w-smooth", &c.w_smooth, kAtLeast0,
+            "Of the third difference of what a style changes, cm per frame3"},
+           {"--w-posture", &c.w_posture, kAtLeast0,
+            "Of the mean pose over a window, toward that of the target in this content"},
+           {"--w-read", &c.w_read, kAtLeast0,
+            "Of postures that are read off examples without a label"},
+       }},
   };
+}
+
+Status Check(const Config& config) {
   using stgcn::kMaxWidth, stgcn::kWidthStep;
   if (config.width < kWidthStep || config.width > kMaxWidth || config.width % kWidthStep != 0) {
-    const std::string expected =
-        "a multiple of " + std::to_string(kWidthStep) + " up to " + std::to_string(kMaxWidth);
-    return refuse("--width", config.width, expected.c_str());
+    return RefuseNumber(
+        "--width", config.width,
+        "a multiple of " + std::to_string(kWidthStep) + " up to " + std::to_string(kMaxWidth));
   }
-  for (const auto& [flag, value] : {std::pair{"--hop", config.hop},
-                                    {"--batch", config.batch},
-                                    {"--penalty-every", config.penalty_every}}) {
-    if (value < 1) return refuse(flag, value, "1 or more");
-  }
-  if (config.warm_up < 0) return refuse("--warm-up", config.warm_up, "0 or more");
-  const std::pair<const char*, double> shares[] = {{"--unpaired", config.unpaired},
-                                                   {"--beta1", config.beta1},
-                                                   {"--beta2", config.beta2},
-                                                   {"--decay-to", config.decay_to},
-                                                   {"--ema", config.ema}};
-  for (const auto& [flag, value] : shares) {
-    if (!(value >= 0 && value <= 1)) return refuse(flag, value, "a number from 0 to 1");
-  }
-  const std::pair<const char*, double> not_negative[] = {
-      {"--heading-tau", config.heading_tau_s},
-      {"--generator-rate", config.generator_rate},
-      {"--critic-rate", config.critic_rate},
-      {"--encoder-rate", config.encoder_rate},
-      {"--mapping-rate", config.mapping_rate},
-      {"--warm-up-rate", config.warm_up_rate},
-      {"--weight-decay", config.weight_decay},
-      {"--w-adversarial", config.w_adversarial},
-      {"--w-cycle", config.w_cycle},
-      {"--w-identity", config.w_identity},
-      {"--w-style", config.w_style},
-      {"--w-penalty", config.w_penalty},
-      {"--w-diversity", config.w_diversity},
-      {"--diversity-target", config.diversity_target_cm},
-      {"--w-fk", config.w_fk},
-      {"--w-free", config.w_free},
-      {"--w-smooth", config.w_smooth},
-      {"--w-posture", config.w_posture},
-      {"--w-read", config.w_read}};
-  for (const auto& [flag, value] : not_negative) {
-    if (!(value >= 0 && std::isfinite(value))) return refuse(flag, value, "a number, 0 or more");
-  }
-  return Status::Ok();
+  Config copy = config;
+  return CheckRanges(FlagsOf(copy));
 }
 
 }  // namespace styled::train::st_gcn

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "model/base/status.h"
+#include "model/train/flags.h"
 
 namespace styled::train::st_gcn {
 
@@ -14,9 +15,9 @@ struct Config {
   double heading_tau_s = 0.25;  // time constant of the heading filter; the runtime's is the same
   int hop = 4;                  // frames between the starts of two windows of a clip
   bool mirror = true;           // half of all windows are mirror images
-  // Source and target domain share the source's content, so that the critic compares motions of
-  // one kind; else contents are drawn alone. `unpaired`: the share of sources that may have any
-  // content nevertheless, which the critic does not see.
+  // Source and target domain share the source's content, so that the critic compares motions of one
+  // kind; otherwise contents are drawn independently. `unpaired`: the share of sources that may
+  // have any content nevertheless, which the critic does not see.
   bool shared_contents = true;
   double unpaired = 0.1;
 
@@ -52,17 +53,20 @@ struct Config {
   double w_fk = 1;    // of the positions' distance to those that follow from the rotations
   double w_free = 1;  // of the head for windows without a label
   bool free_head_teaches = true;  // its gradient reaches the layers below
-  double w_smooth = 0;            // of the third difference of what a style changes, cm per frame³
-  // Of the mean pose over a window: in the turn of references it should go where the target's cell
-  // of this content is, and on by what is the reference's own (postures.h).
+  double w_smooth = 0;            // of the third difference of the change of style, cm per frame³
+  // Of the mean pose over a window: in the turn of references its target is the target's cell of
+  // this content, plus the reference's own deviation (postures.h).
   double w_posture = 0;
-  // Of reading postures off examples without a label: another window of the source's clip is
+  // Of learning postures from examples without a label: another window of the source's clip is
   // shifted to a random new posture, and the source should be decoded in that posture.
   double w_read = 0;
 };
 
-// The settings of Park et al. 2021 and their published code, where the two differ the code's.
+// The settings of Park et al. 2021 and their published code; where the two differ, the code's.
 void AsInThePaper(Config& config);
+
+// A flag for each member of `config`, which must outlive the rows.
+std::vector<FlagGroup> FlagsOf(Config& config);
 
 // Refuses values outside their ranges. Errors name the flag.
 Status Check(const Config& config);

@@ -6,8 +6,8 @@
 
 namespace styled::train::st_gcn {
 
-// Differentiable kinematics of standardized windows [..., 21, 7], in float32. What is published are
-// the rotations and the hips' height; positions follow from them, since the humanoid's bones have
+// Differentiable kinematics of standardized windows [..., 21, 7], in float32. The rotations and the
+// hips' height are published; positions follow from them, since the humanoid's bones have
 // fixed lengths. The network also predicts positions, which agree with them only approximately.
 class Kinematics {
  public:
@@ -15,7 +15,7 @@ class Kinematics {
 
   // The window as published: rotations of length 1, positions that follow from them; standardized.
   torch::Tensor Published(const torch::Tensor& window) const;
-  // The positions as the window has them, m, [..., 21, 3].
+  // The positions as stored in the window, m, [..., 21, 3].
   torch::Tensor Positions_m(const torch::Tensor& window) const;
 
   const torch::Tensor& mean() const { return mean_; }  // [21, 7]

@@ -3,7 +3,6 @@
 #include <torch/torch.h>
 
 #include <array>
-#include <cmath>
 #include <string>
 
 #include "model/net/stgcn/graph.h"

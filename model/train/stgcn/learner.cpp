@@ -19,7 +19,7 @@ constexpr double kOutScale = 0.2, kCodeScale = 0.3, kLogitScale = 0.1;
 // A turn changes the logarithm of the weight by this times the relative error: a lack of all
 // variety triples it in 300 turns, a lack of a tenth in 3,000.
 constexpr double kSteering = 0.004;
-// More and the term outweighs the critic; less and it does not come back when it is needed.
+// Larger: the term outweighs the critic; smaller: it does not come back when it is needed.
 constexpr double kLeastWeight = 0.1, kMostWeight = 5.0;
 
 Shape ShapeOf(const Config& config, int domains) {

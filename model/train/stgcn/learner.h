@@ -40,8 +40,8 @@ struct Networks {
   }
 };
 
-// What activations are computed in: bfloat16 products are twice as fast where the CPU has them, and
-// half as fast where it has not. `precision`: of Config.
+// The type of activations: bfloat16 products are twice as fast on CPUs that support them, and half
+// as fast on others. `precision`: of Config.
 torch::Dtype TypeOf(const std::string& precision, const torch::Device& device);
 
 // Means of losses, each over the iterations that had it. Kept on the device, so that the log is
@@ -49,7 +49,7 @@ torch::Dtype TypeOf(const std::string& precision, const torch::Device& device);
 class Means {
  public:
   void Add(const std::string& name, const torch::Tensor& value);
-  Figures Pop();  // in the order of the first Add; starts anew
+  Figures Pop();  // in the order of the first Add; restarts
 
  private:
   struct Sum {
@@ -73,7 +73,7 @@ class DiversityWeight {
   double target_cm_, weight_;
 };
 
-// Where the codes of a generator's step come from.
+// The source of the codes of a generator's step.
 enum class Turn { kNoise, kReferences };
 
 // The networks being trained, their optimizers, and one iteration of training (Park et al. 2021,
@@ -110,10 +110,10 @@ class Learner {
     torch::Tensor source, same_clip, reference1, reference2;  // [B, 64, 21, 7]
     torch::Tensor domain, target, content;                    // [B]
     torch::Tensor paired;                                     // [B]: 1 where the critic compares
-    // With w_posture: the mean of the output that is wanted, [B, 21, 7]; [B]: 1 where there is one.
+    // With w_posture: the target mean of the output, [B, 21, 7]; [B]: 1 if there is one.
     torch::Tensor wanted, has_wanted;
   };
-  // What a turn makes of a batch.
+  // The result of a turn for a batch.
   struct Made {
     torch::Tensor own_code, target_code;  // [B, code]: of the source, of the target
     torch::Tensor reconstruction, raw;    // decoded with them

@@ -1,4 +1,4 @@
-// What the networks are trained by.
+// The losses of the networks.
 #include "model/train/stgcn/losses.h"
 
 #include "model/train/stgcn/learner.h"
@@ -58,8 +58,8 @@ void Learner::StepCritic(const Batch& batch, const Tensor& fake, double decay) {
   StepAdam(critic_.parameters, critic_adam_, config_.critic_rate * decay);
 }
 
-// What the paper has no term for: positions that agree with the rotations, and changes of style
-// that do not jerk.
+// Losses beyond the paper's: positions that agree with the rotations, and changes of style without
+// jerk.
 Tensor Learner::BodyLosses(const Batch& batch, const Made& made) {
   Tensor loss = torch::zeros({}, torch::TensorOptions().device(device_));
   if (config_.w_fk > 0) {
@@ -80,7 +80,7 @@ Tensor Learner::BodyLosses(const Batch& batch, const Made& made) {
   return loss;
 }
 
-// The mean pose by an example of the target's style: it should stand as the example does.
+// The mean pose by an example of the target's style: it should have the example's posture.
 Tensor Learner::Posture(const Batch& batch, const Made& made) {
   const Tensor off = (made.fake.mean(1) - batch.wanted).abs().mean({1, 2});
   const Tensor posture = MaskedMean(off, batch.has_wanted);
@@ -90,7 +90,7 @@ Tensor Learner::Posture(const Batch& batch, const Made& made) {
 
 // The head without a label: a window of the source's clip is shifted as a whole, rotations first,
 // so that it shows a new posture; the source should be decoded in that posture. Half of the sources
-// are shifted otherwise, so that their own posture says nothing of what is wanted.
+// are shifted differently, so that their own posture does not reveal the target.
 Tensor Learner::ReadPosture(const Batch& batch) {
   // Seeded by the iteration, so that a resumed run draws the same.
   std::mt19937_64 random(seed_ * 1000003 + static_cast<uint64_t>(iteration_));
@@ -134,8 +134,8 @@ Tensor Learner::Losses(const Batch& batch, const Made& made, Turn turn) {
   const Tensor back =
       n.generator.Decode(graph_, n.generator.Encode(graph_, made.fake), made.own_code);
   const Tensor cycle = JointNorm(back - batch.source);
-  // A code of a reference is not drawn toward what is read from the output: both would become
-  // constant.
+  // A code of a reference is not drawn toward the code read from the output, because both would
+  // become constant.
   const Tensor wanted = turn == Turn::kNoise ? made.target_code : made.target_code.detach();
   const Tensor read = n.encoder.Code(n.encoder.Features(graph_, made.fake), batch.target);
   const Tensor style = (wanted - read).abs().mean();

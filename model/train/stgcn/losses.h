@@ -8,7 +8,7 @@ namespace styled::train::st_gcn {
 // and channels: cycle and identity loss as the authors compute them.
 torch::Tensor JointNorm(const torch::Tensor& difference);
 
-// Mean of `value` [B] where `mask` [B] is 1; 0 where it is nowhere.
+// Mean of `value` [B] where `mask` [B] is 1; 0 if it is nowhere.
 torch::Tensor MaskedMean(const torch::Tensor& value, const torch::Tensor& mask);
 
 // Half the squared gradient of `logit` [B] by `input`, a mean over samples (R1, Mescheder et al.

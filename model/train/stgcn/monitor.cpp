@@ -135,7 +135,8 @@ void Monitor::MeasureShifts(const WindowStore& train, int contents) {
   present_ = has & has[0];
 }
 
-// What one style's outputs, one per source, add to the figures; their sum is divided afterwards.
+// The contribution of one style's outputs, one per source, to the figures; their sum is divided
+// afterwards.
 void Monitor::AddStyle(int64_t style, const Tensor& outputs, Kind& kind) const {
   const Tensor kept = present_[style].index_select(0, content_).nonzero().squeeze(1);
   if (kept.size(0) == 0) {

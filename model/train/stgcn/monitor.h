@@ -24,13 +24,13 @@ class QuickJudge {
   torch::Tensor mean_, deviation_, weights_;
 };
 
-// A cheap look at how a run learns: neutral validation windows in each style, by noise and by one
+// A cheap check of a run's progress: neutral validation windows in each style, by noise and by one
 // training window of the style each. Figures: identity_cm, the mean joint distance of a window
 // decoded with its own code; apart_cm, of two outputs of one window by noise; then for both kinds
 // style and content, the shares that quick judges recognize; expression and cosine, the shift of
 // the mean pose along the real one's and the cosine between the two, means over styles; jerk_ratio,
 // mean joint jerk over the input's. Not the evaluation: styleeval has judges of its own, which were
-// trained on other clips. Only contents count in which a style was recorded. One thread.
+// trained on other clips. Only contents in which a style was recorded count. One thread.
 class Monitor {
  public:
   // `validation` holds the clips of the split; needs neutral ones.
@@ -39,11 +39,11 @@ class Monitor {
           const Kinematics& kinematics, const torch::Device& device);
 
   MonitorReport Evaluate(const Networks& networks, const Graph& graph) const;
-  const std::string& reals() const { return reals_; }  // what the judges say of real windows
+  const std::string& reals() const { return reals_; }  // the judges' results for real windows
 
-  // The parts of Evaluate, for other networks of the same features: the windows that are styled,
-  // standardized [N, 64, 21, 7]; and adds to `report` the figures, with `name` behind theirs, of
-  // what a network made of them, as published, in each style but neutral.
+  // The parts of Evaluate, for other networks of the same features: the windows to be styled,
+  // standardized [N, 64, 21, 7]; and a function that adds to `report` the figures, with `name`
+  // appended to theirs, of a network's published outputs in each style but neutral.
   const torch::Tensor& source() const { return source_; }
   void Judge(const std::string& name, const std::vector<torch::Tensor>& outputs,
              MonitorReport& report) const {

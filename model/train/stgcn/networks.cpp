@@ -50,7 +50,7 @@ Trunk::Trunk(Parameters& parameters, const std::string& name, const Shape& shape
 Tensor Trunk::operator()(const Graph& graph, const Tensor& x) const {
   const Tensor y = res2_(graph, res1_(graph, In(graph, in_, in_node_bias_, x)));
   const Tensor flat = at::leaky_relu(y.to(torch::kFloat32), kSlope).flatten(1);
-  // In float32: to convert ten thousand weights per channel costs more than it saves.
+  // In float32, because converting ten thousand weights per channel costs more than it saves.
   const Tensor features = at::linear(flat, conv_weight_.flatten(1), conv_bias_);
   return at::leaky_relu(features, kSlope);
 }

@@ -12,7 +12,7 @@ namespace styled::train::st_gcn {
 torch::Tensor NormalizedLeaky(const torch::Tensor& x, const torch::Tensor& scale,
                               const torch::Tensor& shift);
 
-// The same of libtorch's operations: any device, and what the other is tested by.
+// The same with libtorch's operations: for any device, and as the reference in tests.
 torch::Tensor NormalizedLeakyByParts(const torch::Tensor& x, const torch::Tensor& scale,
                                      const torch::Tensor& shift);
 

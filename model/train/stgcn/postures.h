@@ -2,7 +2,6 @@
 
 #include <torch/torch.h>
 
-#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -10,25 +9,25 @@
 
 namespace styled::train::st_gcn {
 
-// Postures of clips: time means of standardized features, [21, 7], on the CPU. What is a clip's
-// own is its posture less the mean of its cell, the clips of its domain and content: what the
-// examples of a style differ by. The difference of two cells of one content is what two styles
-// differ by. Of mirrored windows all of this is mirrored. Immutable.
+// Postures of clips: time means of standardized features, [21, 7], on the CPU. A clip's own
+// deviation is its posture minus the mean of its cell, the clips of its domain and content;
+// examples of a style differ by it. The difference of two cells of one content is the difference of
+// two styles. For mirrored windows all of this is mirrored. Immutable.
 class Postures {
  public:
   // `single_act`: by content, whether its clips are of one act, so that a posture does not depend
   // on which hand is raised.
   Postures(const WindowStore& store, int domains, std::vector<bool> single_act);
 
-  // Where a sample's output should stand by its first reference, as a difference to the source:
-  // from the source's cell to the target's of the same content, and on by what is the reference's
-  // own. False where there is no telling: the target domain lacks the content, or the reference is
-  // no single act.
+  // The target of a sample's mean output by its first reference, as a difference to the source:
+  // from the source's cell to the target's of the same content, plus the reference's own deviation.
+  // False if it is undefined: the target domain lacks the content, or the reference is not a single
+  // act.
   bool Wanted(const Sample& sample, torch::Tensor& shift) const;
 
   // A random new posture, as a difference: up to kMostOfStyles of the way between two random styles
-  // of one content, and up to kMostOfClips times what is a random clip's own. Half of the draws are
-  // of the whole body; in the others each limb is drawn separately.
+  // of one content, and up to kMostOfClips times a random clip's own deviation. Half of the draws
+  // are of the whole body; in the others each limb is drawn separately.
   torch::Tensor Draw(std::mt19937_64& random) const;
 
  private:

@@ -17,7 +17,7 @@ using torch::Tensor;
 void CopyFloats(const net::SafetensorsView& view, const std::string& name, const Tensor& to) {
   const net::TensorView& tensor = view.tensors.at(name);
   const Tensor floats = torch::empty(tensor.shape);
-  TORCH_CHECK(tensor.bytes.size() == floats.nbytes(), "tensor '", name, "' is no float32");
+  TORCH_CHECK(tensor.bytes.size() == floats.nbytes(), "tensor '", name, "' is not float32");
   std::memcpy(floats.data_ptr(), tensor.bytes.data(), tensor.bytes.size());
   to.copy_(floats);
 }

@@ -15,13 +15,13 @@
 
 namespace styled::train::st_gcn {
 
-// Copies a tensor of a file that the runtime could read, so it is there and as large as expected;
-// throws where it is not of float32. CopyStatistics: `features.mean` and `features.deviation`.
+// Copies a tensor of a file that the runtime could read, so that it exists and has the expected
+// size; throws if it is not float32. CopyStatistics: `features.mean` and `features.deviation`.
 void CopyFloats(const net::SafetensorsView& view, const std::string& name, const torch::Tensor& to);
 void CopyStatistics(const net::SafetensorsView& view, Statistics& statistics);
 
-// The generator of a weights file, on the CPU and without gradients, and what is needed to run it
-// on clips. Errors name file, key or tensor: all that the runtime refuses, and files of other
+// The generator of a weights file, on the CPU and without gradients, and the data to run it on
+// clips. Errors name file, key or tensor: all that the runtime refuses, and files of other
 // families.
 struct LoadedGenerator {
   std::unique_ptr<Generator> generator;

@@ -22,14 +22,14 @@ constexpr int kFewestFrames = kWindowFrames / 2;  // of a clip: at most half of 
 constexpr int kCodeHop = 16;                      // frames between windows of a mean code
 constexpr std::size_t kCodeBatch = 64;
 
-// What a run reads before its first random number.
+// The data that a run reads before its first random number.
 struct Inputs {
   TrainingData data;
   stgcn::FeatureParameters parameters;
   Statistics statistics;
 };
 
-// Contents that one label stands for.
+// Contents that correspond to a single label.
 std::vector<bool> SingleActs(const clip::Manifest& manifest) {
   std::vector<bool> single;
   for (const std::size_t labels : manifest.content_labels) single.push_back(labels == 1);

@@ -1,6 +1,5 @@
 #include "model/train/stgcn/weights.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "model/train/checkpoint.h"

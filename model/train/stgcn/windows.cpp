@@ -221,7 +221,7 @@ Window Sampler::DrawReference(int domain) {
   return Draw(cells_[domain][contents[Below(contents.size())]]);
 }
 
-// Half a window away or more where the clip is long enough, else any other one.
+// Half a window away or more if the clip is long enough, otherwise any other one.
 Window Sampler::AnotherOf(const Window& window) {
   const std::vector<int>& starts = store_.Starts(window.clip);
   std::vector<int> others;

@@ -54,7 +54,7 @@ class WindowStore {
   std::vector<std::vector<int>> starts_;
 };
 
-// What one sample of a batch is made of.
+// The sources of one sample of a batch.
 struct Sample {
   Window source, same_clip;  // same_clip: another window of the source's clip, where it has one
   Window reference1, reference2;  // of the target domain
@@ -67,7 +67,7 @@ struct Sample {
 // have, then folder, clip and window; so real and transferred windows of a domain have the same
 // distribution of contents. A share `unpaired` of the sources has any content. Without
 // `shared_contents` all have, and count as paired. A share `neutral` of the source domains is
-// domain 0, beyond those that are by chance. Deterministic; Save and Restore are exact.
+// domain 0, in addition to random ones. Deterministic; Save and Restore are exact.
 class Sampler {
  public:
   struct Options {

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "model/base/status.h"
+#include "model/train/flags.h"
 
 namespace styled::train::st_gcn_causal {
 
@@ -25,9 +27,9 @@ struct Config {
   double single = 0.5;
   int single_codes = 128;
 
-  // What the targets are of the teacher's change of style: so much later, because the stylist's
-  // low-pass publishes late, and so many times as large, because a student of a mean and a low-pass
-  // both make less of it.
+  // The targets' relation to the teacher's change of style: so much later, because the stylist's
+  // low-pass publishes late, and larger by this factor, because averaging by the student and the
+  // low-pass both reduce it.
   double lead_s = 0;
   double gain = 1;
 
@@ -42,12 +44,15 @@ struct Config {
   double decay_to = 0.1;
   double ema = 0.999;  // of the weights that are exported, per iteration; 0: those of the moment
 
-  // Weights of the losses: beside the distance to the teacher's output, that of its differences
-  // from frame to frame; and of a window's first 8 frames, beside 1 of the others.
+  // Weights of the losses: of the differences from frame to frame, relative to 1 for the distance
+  // to the teacher's output; and of a window's first 8 frames, relative to 1 for the others.
   double w_velocity = 3;
   double w_first = 0.5;
   double w_smooth = 0;  // of the squared second difference of the student's change of style
 };
+
+// A flag for each member of `config`, which must outlive the rows.
+std::vector<FlagGroup> FlagsOf(Config& config);
 
 // Refuses values outside their ranges, and a run without --init. Errors name the flag.
 Status Check(const Config& config);

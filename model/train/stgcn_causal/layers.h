@@ -10,7 +10,7 @@
 #include "model/train/stgcn_causal/past_norm.h"
 
 // The layers of the network of whole clips (model/train/stgcn/layers.h) for a stream of frames: no
-// frame is pooled or unpooled, convolutions over time see the past alone, normalizations too.
+// frame is pooled or unpooled, and convolutions over time and normalizations see only the past.
 // Activations are [B, T, V, C]; T frames are a stream's first. Parameters have the names and shapes
 // of the network of whole clips where both have them. Equations: model/net/stgcn_causal/FORMAT.md;
 // pinned by tests/unit/train/stgcn_causal/student_test.cpp.
@@ -53,14 +53,14 @@ class ResBlock {
   torch::Tensor skip_;  // [out, in]
 };
 
-// What a style adds to the scale and shift [γ, β] of a decoding block's norms, on top of what they
-// are by its code: [1 or B, 2C] each. Undefined: nothing.
+// A style's additions to the scale and shift [γ, β] of a decoding block's norms, which otherwise
+// follow from its code: [1 or B, 2C] each. Undefined: nothing.
 struct Additions {
   torch::Tensor first, second;
 };
 
 // The decoding block: from `level` to the next finer one. Copies of a node are made as late as
-// possible: what works on each node alone is done once per cluster.
+// possible, so that operations on each node alone run once per cluster.
 class AdainBlock {
  public:
   AdainBlock() = default;

@@ -17,7 +17,7 @@
 
 namespace styled::train::st_gcn_causal {
 
-// The network of whole clips that is learned from. Its outputs are float32, without gradients.
+// The network of whole clips that is the teacher. Its outputs are float32, without gradients.
 class Teacher {
  public:
   // `codes` [n, code]: the mean code of each style; `singles` [n, m, code]: of its examples and
@@ -25,8 +25,8 @@ class Teacher {
   Teacher(const st_gcn::Generator& generator, const torch::Tensor& codes,
           const torch::Tensor& singles, const torch::Device& device);
 
-  // What it makes of whole windows [B, 64, 21, 7] in the codes [n B, code], codes of all windows
-  // one after the other.
+  // Its outputs for whole windows [B, 64, 21, 7] in the codes [n B, code], codes of all windows one
+  // after the other.
   torch::Tensor operator()(const torch::Tensor& windows, const torch::Tensor& code) const;
   torch::Tensor CodeOf(const torch::Tensor& style) const;  // int64 [B] to [B, code]
 
@@ -45,9 +45,9 @@ class Teacher {
 inline constexpr int64_t kFirst = 8;
 torch::Tensor WeightedL1(const torch::Tensor& difference, double first);
 
-// The student being trained, its optimizer, and one iteration of training: a regression on what the
-// teacher makes of the same window, in the code of the source's own style and in that of another.
-// Knows nothing of files, logs and clocks. References must outlive it. One thread.
+// The student being trained, its optimizer, and one iteration of training: a regression on the
+// teacher's output for the same window, in the code of the source's own style and in that of
+// another. Knows nothing of files, logs and clocks. References must outlive it. One thread.
 class Learner {
  public:
   // `styles`: of each style of `store`, the teacher's. `rate_hz`: of the windows.
@@ -80,7 +80,7 @@ class Learner {
   };
   Batch NextBatch();
   torch::Tensor Wanted(const Batch& batch) const;  // of each code of the batch
-  // What is drawn for a target beside its style.
+  // The random part of a target besides its style.
   struct Target {
     float strength = 1;
     int64_t single = -1;  // of Teacher::singles, or -1: the style's mean

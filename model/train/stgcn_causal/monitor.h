@@ -10,11 +10,11 @@
 
 namespace styled::train::st_gcn_causal {
 
-// A cheap look at how a run learns: neutral validation windows in each style, as published.
-// Figures: reconstruction_cm and styled_cm, the mean joint distance to what the teacher makes of
-// the window, without its first 8 frames; start_cm, styled_cm of those frames; identity_cm, from
-// the reconstruction to the window; then of the styled windows what st-gcn's monitor measures, with
-// "student" behind its names. One thread. References must outlive it.
+// A cheap check of a run's progress: neutral validation windows in each style, as published.
+// Figures: reconstruction_cm and styled_cm, the mean joint distance to the teacher's output for the
+// window, without its first 8 frames; start_cm, styled_cm of those frames; identity_cm, from the
+// reconstruction to the window; then for the styled windows the measurements of st-gcn's monitor,
+// with "student" appended to its names. One thread. References must outlive it.
 class Monitor {
  public:
   // `styles`: of each style that `windows` judges, the teacher's; the first is neutral.

@@ -8,8 +8,8 @@
 #include "model/train/adam.h"
 
 // The normalization of a network that sees no future (model/net/stgcn_causal/FORMAT.md): mean and
-// variance are those of the frames so far, each frame counting 1 - 1 / memory of the one after it,
-// from a learned start that counts as `start_frames` frames.
+// variance are those of the frames so far, each weighted by 1 - 1 / memory relative to the one
+// after it, from a learned start that counts as `start_frames` frames.
 namespace styled::train::st_gcn_causal {
 
 inline constexpr double kMemory = 21, kStartFrames = 16;

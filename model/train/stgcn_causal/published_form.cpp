@@ -5,6 +5,7 @@
 
 #include "model/net/stgcn/features.h"
 #include "model/net/stgcn_causal/stylizer.h"
+#include "model/train/geometry.h"
 
 namespace styled::train::st_gcn_causal {
 namespace {
@@ -16,12 +17,6 @@ using torch::Tensor;
 
 constexpr int kHeight = 1;  // the channel of a position
 
-Tensor Multiply(const Tensor& a, const Tensor& b) {  // x, y, z, w
-  const Tensor u = a.narrow(-1, 0, 3), s = a.narrow(-1, 3, 1);
-  const Tensor v = b.narrow(-1, 0, 3), t = b.narrow(-1, 3, 1);
-  return torch::cat({s * v + t * u + torch::cross(u, v, -1), s * t - (u * v).sum(-1, true)}, -1);
-}
-
 // The pose that a change of style is measured from; half-way, the normalized mean is the slerp.
 static_assert(stgcn_causal::kTowardInput == 0.5F);
 Tensor HalfWay(const Tensor& a, const Tensor& b) {
@@ -30,7 +25,7 @@ Tensor HalfWay(const Tensor& a, const Tensor& b) {
       a + nearer, torch::nn::functional::NormalizeFuncOptions().dim(-1).eps(1e-6));
 }
 
-// What lies `frames` later in [B, T, ...], between two frames by both; the last frame stays.
+// The values `frames` later in [B, T, ...], interpolated between two frames; the last frame stays.
 Tensor AtLater(const Tensor& sequence, double frames) {
   const int64_t last = sequence.size(1) - 1;
   const auto whole = static_cast<int64_t>(std::floor(frames));
@@ -49,8 +44,6 @@ Tensor Power(const Tensor& q, double gain) {
   const Tensor half = gain * torch::atan2(sine, shortest.narrow(-1, 3, 1));
   return torch::cat({axis / sine * half.sin(), half.cos()}, -1);
 }
-
-Tensor Conjugate(const Tensor& q) { return q * torch::tensor({-1.0F, -1.0F, -1.0F, 1.0F}); }
 
 }  // namespace
 

@@ -8,17 +8,17 @@
 
 namespace styled::train::st_gcn_causal {
 
-// What is published of a performer's window whose style changes, differentiable: the change is
+// The published form of a performer's window whose style changes, differentiable: the change is
 // applied to the performer's own pose, in · (between⁻¹ · sty) per joint in local rotations, where
 // `between` is half-way from the reconstruction to the input (model/net/stgcn_causal/stylizer.h),
-// and the difference of both heights of the hips. What follows it live (the low-pass, limits, feet)
-// is left out. Windows are standardized, [B, T, 21, 7] in float32. Pinned by
+// and the difference of both heights of the hips. The later live stages (the low-pass, limits,
+// feet) are left out. Windows are standardized, [B, T, 21, 7] in float32. Pinned by
 // tests/unit/train/stgcn_causal/published_form_test.cpp.
 class PublishedForm {
  public:
   explicit PublishedForm(const st_gcn::Statistics& statistics);
 
-  // What of a window does not depend on the style.
+  // The part of a window's data that does not depend on the style.
   struct Basis {
     torch::Tensor rotations;  // [B, T, 21, 4]: in · between⁻¹, local
     torch::Tensor hips_m;     // [B, T]: height, in - rec
@@ -30,8 +30,8 @@ class PublishedForm {
   // The published window: rotations on the hemisphere of the mean, positions that follow from them.
   torch::Tensor operator()(const Basis& basis, const torch::Tensor& styled) const;
 
-  // What the teacher's change of style is `frames` later, `gain` times as large, on what it makes
-  // of the window in its own style: the target of a student whose change is published late, by a
+  // The teacher's change of style `frames` later, `gain` times as large, applied to its output for
+  // the window in its own style: the target of a student whose change is published late, by a
   // low-pass. `frames` need not be whole; the last ones of the window have no later change and keep
   // the last. Positions and the hips' height follow in the features themselves.
   torch::Tensor Later(const torch::Tensor& reconstruction, const torch::Tensor& styled,

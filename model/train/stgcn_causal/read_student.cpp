@@ -11,7 +11,7 @@
 namespace styled::train::st_gcn_causal {
 namespace {
 
-// A network that remembers otherwise than the student here would not be the one that is refined.
+// A network with another memory than the student here would not be the one that is refined.
 Status CheckMemory(const nlohmann::json& header, const std::string& name) {
   const nlohmann::json expected{{"spacing", kSpacing},
                                 {"memory", static_cast<int>(kMemory)},

@@ -12,10 +12,10 @@
 
 namespace styled::train::st_gcn_causal {
 
-// The generator of weights of family st-gcn-causal, on the CPU and without gradients, and what is
-// needed to run it on clips. Errors name file, key or tensor: all that the runtime refuses, files
-// of other families, and statistics or spacings that are not those of past_norm.h and student.h.
-// Pinned by tests/unit/train/stgcn_causal/refiner_test.cpp.
+// The generator of weights of family st-gcn-causal, on the CPU and without gradients, and the data
+// to run it on clips. Errors name file, key or tensor: all that the runtime refuses, files of other
+// families, and statistics or spacings that are not those of past_norm.h and student.h. Pinned by
+// tests/unit/train/stgcn_causal/refiner_test.cpp.
 struct LoadedStudent {
   std::unique_ptr<Student> student;
   std::shared_ptr<const stgcn_causal::Network> network;  // the same at run time

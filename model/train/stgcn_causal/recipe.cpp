@@ -24,7 +24,7 @@ namespace {
 constexpr int kFewestFrames = st_gcn::kWindowFrames / 2;  // of a clip: half a window is repeated
 constexpr int kMonitorHop = 16;
 
-// What a run reads before its first random number.
+// The data that a run reads before its first random number.
 struct Inputs {
   st_gcn::LoadedGenerator teacher;
   TrainingData data;
@@ -131,7 +131,7 @@ void CausalRecipe::Save(double wall_time_s, Checkpoint& checkpoint) const {
   checkpoint.strings["metadata"] = Metadata(wall_time_s);
 }
 
-// Where the manifest's styles are among the teacher's: the same ones, neutral first in both.
+// The manifest's styles among the teacher's: the same ones, neutral first in both.
 Result<std::vector<int64_t>> MatchStyles(const clip::Manifest& manifest,
                                          const net::Styles& teacher) {
   std::vector<int64_t> styles;

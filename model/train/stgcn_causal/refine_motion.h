@@ -20,8 +20,8 @@ struct Parts {
 };
 Parts Split(const Frames& clips, double share);
 
-// Windows of `frames`, [B, frames, 21, 7], of clips and places drawn by `random`, each of which is
-// as probable as any other. A clip that is shorter has its first frame repeated before it, as live.
+// Windows of `frames`, [B, frames, 21, 7], of clips and places drawn by `random`, all equally
+// probable. A shorter clip has its first frame repeated before it, as live.
 torch::Tensor DrawWindows(const Frames& clips, int64_t frames, int64_t count,
                           std::mt19937_64& random);
 

@@ -1,7 +1,6 @@
 #include "model/train/stgcn_causal/refiner.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/net/stgcn/codes.h"
 #include "model/train/stgcn/learner.h"
@@ -11,8 +10,8 @@ namespace {
 
 using torch::Tensor;
 
-// Of the windows. The first ones are not compared: there the statistics are mostly their learned
-// start, and live they are long past.
+// Of the windows. The first ones are not compared, because their statistics are mostly the learned
+// start, which is long past live.
 constexpr int64_t kFrames = 96, kFirstCompared = 32;
 constexpr int64_t kNeutralWindows = 160, kTakeWindows = 48, kJudgedWindows = 24;
 constexpr int64_t kAtOnce = 8;  // windows that are encoded together
@@ -169,7 +168,7 @@ double Refiner::Step(double progress) {
   return loss.item<double>();
 }
 
-// The code stays where the runtime would let it be (stgcn::PulledIn).
+// The code stays where the runtime would allow it (stgcn::PulledIn).
 void Refiner::PullIn() {
   const torch::NoGradGuard no_grad;
   const stgcn::Code code = Eigen::Map<const stgcn::Code>(code_value_.data_ptr<float>());

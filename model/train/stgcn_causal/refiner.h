@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <random>
-#include <vector>
 
 #include "model/train/adam.h"
 #include "model/train/stgcn_causal/published_form.h"
@@ -26,7 +25,7 @@ struct RefineConfig {
   double decay_to = 0.05;
   double code_alone = 0.25;
 
-  // Weights of the losses. What is published of neutral motion is compared with the take: by its
+  // Weights of the losses. The published form of neutral motion is compared with the take: by its
   // moments (refine_motion.h: mean pose, spread, change from frame to frame), and by its
   // distribution (sliced Wasserstein distance of poses and their changes). `reproduce`: the take
   // itself, under its own style, and its differences from frame to frame. `small`: bias and
@@ -38,16 +37,17 @@ struct RefineConfig {
 };
 Status Check(const RefineConfig& config);
 
-// What a style is fitted to and judged on. The latter is no part of the former.
+// The data to which a style is fitted and on which it is judged. The two do not overlap.
 struct RefineMotion {
   Frames take, neutral;  // to fit; each clip has at least one frame
   Frames judged_take, judged_neutral;
 };
 
-// How far the style's output on neutral motion is from the take, on the parts that are kept apart.
+// The distance of the style's output on neutral motion from the take, on the parts that are kept
+// apart.
 struct RefineFigures {
   double mean_cm = 0;                                   // of mean poses
-  double spread_cm = 0;                                 // of how far joints move about them
+  double spread_cm = 0;                                 // of joint movement about the mean poses
   double score() const { return mean_cm + spread_cm; }  // less is better
 };
 
@@ -64,13 +64,13 @@ class Refiner {
   double Step(double progress);
   FullStyle style() const;
 
-  // Of any style. Neutral: of the neutral motion itself, without a style.
+  // For any style. Neutral: of the neutral motion itself, without a style.
   RefineFigures Measure(const FullStyle& style) const;
   RefineFigures MeasureNeutral() const;
   bool Finite() const;
 
  private:
-  // Windows, and what of them does not depend on the style.
+  // Windows, and the part of their data that does not depend on the style.
   struct Pool {
     torch::Tensor content;  // [N, T, 5, 4 width]
     PublishedForm::Basis basis;

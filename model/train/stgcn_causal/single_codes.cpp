@@ -13,7 +13,7 @@ net::StyleSource NoiseOf(int style, int seed) {
   return {.style = style, .seed = static_cast<std::uint64_t>(seed), .reference = {}, .weight = 1};
 }
 
-// A window of a clip of the style; the clip as a whole where it is shorter.
+// A window of a clip of the style; the whole clip if it is shorter.
 std::span<const body::Pose> Draw(const std::vector<const TrainingClip*>& clips,
                                  std::mt19937_64& random) {
   const auto& poses = clips[random() % clips.size()]->poses;

@@ -33,8 +33,8 @@ class Student {
  public:
   Student(const st_gcn::Shape& shape, const torch::Device& device);
 
-  // Takes over all weights of the network of whole clips, which has the same shape. The starts of
-  // the statistics stay.
+  // Copies all weights of the network of whole clips, which has the same shape. The starts of the
+  // statistics stay.
   void CopyFrom(const st_gcn::Generator& teacher);
 
   // Standardized features [B, T, 21, 7] to [B, T, 5, 4 width], in the type of `graph`; T is the

@@ -9,8 +9,8 @@
 
 namespace styled::train::st_gcn_causal {
 
-// A file of a style library, NAME.json, as the daemon writes and reads them. Whatever else it holds
-// stays as it is.
+// A file of a style library, NAME.json, as the daemon writes and reads them. Other content stays as
+// it is.
 struct StyleFile {
   nlohmann::json all;       // the object
   std::string name;         // of the style; the file's stem
@@ -20,7 +20,7 @@ struct StyleFile {
 
 // Errors name the file, and what was expected.
 Result<StyleFile> ReadStyleFile(const std::filesystem::path& file);
-// Writes the style anew with its name and code, atomically: `name` becomes the file's stem.
+// Writes the style again with its name and code, atomically: `name` becomes the file's stem.
 Status WriteStyleFile(StyleFile style, const std::filesystem::path& file);
 
 }  // namespace styled::train::st_gcn_causal

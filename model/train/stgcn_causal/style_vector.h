@@ -8,7 +8,7 @@
 
 namespace styled::train::st_gcn_causal {
 
-// A style as the runtime takes it (net::StyleCode of model/net/stgcn_causal): the code; the code
+// A style as the runtime accepts it (net::StyleCode of model/net/stgcn_causal): the code; the code
 // and the bias of the output; or these and the additions. A style in full form is all three. Pinned
 // by tests/unit/train/stgcn_causal/refiner_test.cpp.
 struct VectorSizes {
@@ -18,8 +18,8 @@ struct VectorSizes {
   bool Allow(std::size_t numbers) const;  // one of the three
 };
 
-// The style of `numbers`, which must be as many as VectorSizes allows, for one sample; what is
-// missing is 0. And back, in full form.
+// The style of `numbers`, whose size VectorSizes must allow, for one sample; missing parts are 0.
+// And back, in full form.
 FullStyle StyleOf(const std::vector<float>& numbers, const st_gcn::Shape& shape);
 std::vector<float> VectorOf(const FullStyle& style);
 

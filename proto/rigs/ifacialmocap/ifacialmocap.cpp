@@ -4,7 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
+
+#include "proto/rigs/result_name.h"
 
 namespace styled::ifacialmocap {
 namespace {
@@ -38,7 +39,7 @@ std::span<float> PlaceOf(std::string_view name, Frame& frame) noexcept {
   return {};
 }
 
-// Reads one part; returns false where its value is not a number. Sets `known` for a known part.
+// Reads one part; returns false if its value is not a number. Sets `known` for a known part.
 bool ReadPart(std::string_view part, Frame& frame, bool& known) noexcept {
   if (const std::size_t mark = part.find('#'); mark != std::string_view::npos) {
     const std::span<float> place = PlaceOf(part.substr(0, mark), frame);
@@ -61,17 +62,7 @@ bool ReadPart(std::string_view part, Frame& frame, bool& known) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kNotFace:
-      return "not_face";
-    case DecodeResult::kBadNumber:
-      return "bad_number";
-    case DecodeResult::kTooLong:
-      break;
-  }
-  return "too_long";
+  return rigs::ResultName(result, {"ok", "not_face", "bad_number", "too_long"});
 }
 
 DecodeResult Decode(std::span<const std::byte> datagram, Frame& frame) noexcept {

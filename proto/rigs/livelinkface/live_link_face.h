@@ -21,11 +21,11 @@ inline constexpr std::size_t kMaxSize = 27 + 2 * kMaxText + 4 * kValues;
 
 struct Frame {
   std::string_view device;                   // the phone's id; a view of the datagram
-  std::string_view subject;                  // the name that was given to the phone
+  std::string_view subject;                  // the name that the user gave the phone
   std::int32_t frame = 0;                    // of an unknown epoch; falls when the app restarts
   float subframe = 0;                        // 0 .. 1
   std::int32_t rate = 60, rate_divisor = 1;  // frames per second
-  bool has_face = false;                     // the camera sees one
+  bool has_face = false;                     // the camera sees a face
   std::array<float, kValues> values{};       // as received, not checked
 };
 
@@ -37,12 +37,13 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kBadRate,     // a rate that is not positive
   kBadCount,    // not 61 values
   kBadSize,     // bytes missing or left over
+  kCount
 };
 // A word for counters and messages: "ok", "not_face", ...
 std::string_view Name(DecodeResult result) noexcept;
 
 STYLED_REALTIME DecodeResult Decode(std::span<const std::byte> datagram, Frame& frame) noexcept;
-// Writes a datagram; 0 where `to` is too small or a text is too long.
+// Writes a datagram; returns 0 if `to` is too small or a text is too long.
 std::size_t Encode(const Frame& frame, std::span<std::byte> to) noexcept;
 
 }  // namespace styled::live_link_face

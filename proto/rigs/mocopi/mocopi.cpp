@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::mocopi {
 namespace {
 
@@ -256,29 +258,8 @@ void WriteHeads(const Sender& sender, Writer& writer) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case R::kOk:
-      return "ok";
-    case R::kNotMocopi:
-      return "not_mocopi";
-    case R::kBadVersion:
-      return "bad_version";
-    case R::kCutChunk:
-      return "cut_chunk";
-    case R::kBadSize:
-      return "bad_size";
-    case R::kMissing:
-      return "missing";
-    case R::kRepeated:
-      return "repeated";
-    case R::kBadBone:
-      return "bad_bone";
-    case R::kBadTime:
-      return "bad_time";
-    case R::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "not_mocopi", "bad_version", "cut_chunk", "bad_size",
+                                   "missing", "repeated", "bad_bone", "bad_time"});
 }
 
 DecodeResult Decode(Bytes bytes, Datagram& datagram) noexcept {

@@ -1,78 +1,34 @@
 #include "proto/rigs/mvn/mvn.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
+
+#include "proto/rigs/big_endian.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::mvn {
 namespace {
 
 constexpr std::size_t kEulerItem = 28, kQuaternionItem = 32;
 
-// Reads big-endian numbers from the front of `bytes`. A missing one reads as 0 and sets `bad`.
-struct Reader {
-  std::span<const std::byte> bytes;
-  bool bad = false;
+using Reader = rigs::BigEndianReader;
+using Writer = rigs::BigEndianWriter;
 
-  std::uint32_t Unsigned(std::size_t size) noexcept {
-    if (bytes.size() < size) {
-      bad = true;
-      bytes = {};
-      return 0;
-    }
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i)
-      value = (value << 8U) | std::to_integer<unsigned>(bytes[i]);
-    bytes = bytes.subspan(size);
-    return value;
-  }
-  float Float() noexcept { return std::bit_cast<float>(Unsigned(4)); }
-  template <std::size_t N>
-  std::array<float, N> Floats() noexcept {
-    std::array<float, N> values;
-    for (float& value : values) value = Float();
-    return values;
-  }
-  // Reads a signed length and that many bytes.
-  std::string_view Text() noexcept {
-    const auto size = static_cast<std::int32_t>(Unsigned(4));
-    if (bad || size < 0 || static_cast<std::size_t>(size) > bytes.size()) {
-      bad = true;
-      return {};
-    }
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
-                                static_cast<std::size_t>(size));
-    bytes = bytes.subspan(text.size());
-    return text;
-  }
-};
+template <std::size_t N>
+std::array<float, N> Floats(Reader& reader) noexcept {
+  std::array<float, N> values;
+  for (float& value : values) value = reader.Float();
+  return values;
+}
 
-// Writes big-endian numbers. One that does not fit sets `full`.
-struct Writer {
-  std::span<std::byte> bytes;
-  std::size_t size = 0;
-  bool full = false;
-
-  void Unsigned(std::uint32_t value, std::size_t count) noexcept {
-    if (bytes.size() - size < count) {
-      full = true;
-      return;
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      bytes[size + i] = static_cast<std::byte>((value >> (8 * (count - 1 - i))) & 0xFFU);
-    }
-    size += count;
-  }
-  void Float(float value) noexcept { Unsigned(std::bit_cast<std::uint32_t>(value), 4); }
-  void Raw(std::string_view text) noexcept {
-    for (const char c : text) Unsigned(static_cast<unsigned char>(c), 1);
-  }
-  void Text(std::string_view text) noexcept {
-    Unsigned(static_cast<std::uint32_t>(text.size()), 4);
-    Raw(text);
-  }
-};
+// Reads a signed length and that many bytes; false where they are not there.
+bool ReadText(Reader& reader, std::string_view& text) noexcept {
+  const auto size = reader.Number<std::int32_t>();
+  if (!reader.ok() || size < 0) return false;
+  text = reader.Text(static_cast<std::size_t>(size));
+  return reader.ok();
+}
 
 std::array<float, 4> FromEuler(const std::array<float, 3>& degrees) noexcept {
   constexpr double kHalfRadians = 3.14159265358979323846 / 360.0;
@@ -106,48 +62,43 @@ DecodeResult Begin(std::span<const std::byte> bytes, Type type, Reader& reader) 
   const DecodeResult result = DecodeHeader(bytes, header);
   if (result != DecodeResult::kOk) return result;
   if (header.type != type) return DecodeResult::kNotThisType;
-  reader.bytes = bytes.subspan(kHeaderSize);
+  reader = Reader(bytes.subspan(kHeaderSize));
   return DecodeResult::kOk;
 }
 
 Writer BeginWriting(const Header& header, std::span<std::byte> out) noexcept {
-  Writer writer{out};
+  Writer writer(out);
   const auto number = static_cast<unsigned>(header.type);
-  writer.Raw("MXTP");
-  writer.Unsigned('0' + number / 10, 1);
-  writer.Unsigned('0' + number % 10, 1);
-  writer.Unsigned(header.sample, 4);
-  writer.Unsigned((header.datagram & 0x7FU) | (header.last ? 0x80U : 0U), 1);
-  writer.Unsigned(header.items, 1);
-  writer.Unsigned(header.time_ms, 4);
-  writer.Unsigned(header.character, 1);
-  writer.Unsigned(header.body_segments, 1);
-  writer.Unsigned(header.props, 1);
-  writer.Unsigned(header.finger_segments, 1);
-  writer.Unsigned(0, 4);  // reserved, and the payload's size, which Finish writes
+  writer.Text("MXTP");
+  writer.U8('0' + number / 10);
+  writer.U8('0' + number % 10);
+  writer.U32(header.sample);
+  writer.U8((header.datagram & 0x7FU) | (header.last ? 0x80U : 0U));
+  writer.U8(header.items);
+  writer.U32(header.time_ms);
+  writer.U8(header.character);
+  writer.U8(header.body_segments);
+  writer.U8(header.props);
+  writer.U8(header.finger_segments);
+  writer.U32(0);  // reserved, and the payload's size, which Finish writes
   return writer;
 }
 
-std::size_t Finish(Writer& writer) noexcept {
-  if (writer.full) return 0;
-  const std::size_t payload = writer.size - kHeaderSize;
+std::size_t Finish(const Writer& writer, std::span<std::byte> out) noexcept {
+  if (writer.size() == 0) return 0;
+  const std::size_t payload = writer.size() - kHeaderSize;
   if (payload > 0xFFFF) return 0;
-  writer.bytes[kHeaderSize - 2] = static_cast<std::byte>(payload >> 8U);
-  writer.bytes[kHeaderSize - 1] = static_cast<std::byte>(payload & 0xFFU);
-  return writer.size;
+  out[kHeaderSize - 2] = static_cast<std::byte>(payload >> 8U);
+  out[kHeaderSize - 1] = static_cast<std::byte>(payload & 0xFFU);
+  return writer.size();
 }
 
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  constexpr std::array<std::string_view, 7> kNames{"ok",
-                                                   "too short",
-                                                   "not an MXTP datagram",
-                                                   "longer than its items",
-                                                   "too many items",
-                                                   "bad text",
-                                                   "of another type"};
-  return kNames[static_cast<std::size_t>(result)];
+  return rigs::ResultName(
+      result, {"ok", "too short", "not an MXTP datagram", "longer than its items", "too many items",
+               "bad text", "of another type"});
 }
 
 DecodeResult DecodeHeader(std::span<const std::byte> bytes, Header& out) noexcept {
@@ -157,19 +108,19 @@ DecodeResult DecodeHeader(std::span<const std::byte> bytes, Header& out) noexcep
     return DecodeResult::kBadMagic;
   }
   out.type = static_cast<Type>(10 * digit(4) + digit(5));
-  Reader reader{bytes.subspan(6)};
-  out.sample = reader.Unsigned(4);
-  const std::uint32_t datagram = reader.Unsigned(1);
+  Reader reader(bytes.subspan(6));
+  out.sample = reader.U32();
+  const std::uint32_t datagram = reader.U8();
   out.datagram = static_cast<std::uint8_t>(datagram & 0x7FU);
   out.last = (datagram & 0x80U) != 0;
-  out.items = static_cast<std::uint8_t>(reader.Unsigned(1));
-  out.time_ms = reader.Unsigned(4);
-  out.character = static_cast<std::uint8_t>(reader.Unsigned(1));
-  out.body_segments = static_cast<std::uint8_t>(reader.Unsigned(1));
-  out.props = static_cast<std::uint8_t>(reader.Unsigned(1));
-  out.finger_segments = static_cast<std::uint8_t>(reader.Unsigned(1));
-  (void)reader.Unsigned(2);
-  out.payload_size = static_cast<std::uint16_t>(reader.Unsigned(2));
+  out.items = reader.U8();
+  out.time_ms = reader.U32();
+  out.character = reader.U8();
+  out.body_segments = reader.U8();
+  out.props = reader.U8();
+  out.finger_segments = reader.U8();
+  (void)reader.Bytes(2);
+  out.payload_size = reader.Number<std::uint16_t>();
   return DecodeResult::kOk;
 }
 
@@ -182,16 +133,16 @@ DecodeResult DecodePose(std::span<const std::byte> bytes, Header& header, Pose& 
   const std::size_t payload = header.items * (euler ? kEulerItem : kQuaternionItem);
   if (bytes.size() < kHeaderSize + payload) return DecodeResult::kTooShort;
   if (bytes.size() > kHeaderSize + payload) return DecodeResult::kLengthMismatch;
-  Reader reader{bytes.subspan(kHeaderSize)};
+  Reader reader(bytes.subspan(kHeaderSize));
   out.count = header.items;
   for (std::size_t i = 0; i < header.items; ++i) {
     Segment& segment = out.segments[i];
-    segment.id = reader.Unsigned(4);
-    segment.position = reader.Floats<3>();
+    segment.id = reader.U32();
+    segment.position = Floats<3>(reader);
     if (euler) {
-      segment.rotation = FromEuler(reader.Floats<3>());
+      segment.rotation = FromEuler(Floats<3>(reader));
     } else {
-      const auto wxyz = reader.Floats<4>();
+      const auto wxyz = Floats<4>(reader);
       segment.rotation = {wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
     }
   }
@@ -202,15 +153,14 @@ DecodeResult DecodeScale(std::span<const std::byte> bytes, Scale& out) noexcept 
   Reader reader;
   const DecodeResult result = Begin(bytes, Type::kScale, reader);
   if (result != DecodeResult::kOk) return result;
-  const std::uint32_t count = reader.Unsigned(4);
-  if (reader.bad) return DecodeResult::kTooShort;
+  const std::uint32_t count = reader.U32();
+  if (!reader.ok()) return DecodeResult::kTooShort;
   if (count > kMaxSegments) return DecodeResult::kTooManyItems;
   out.count = static_cast<int>(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    out.segments[i].name = reader.Text();
-    if (reader.bad) return DecodeResult::kBadText;
-    out.segments[i].position_m = reader.Floats<3>();
-    if (reader.bad) return DecodeResult::kTooShort;
+    if (!ReadText(reader, out.segments[i].name)) return DecodeResult::kBadText;
+    out.segments[i].position_m = Floats<3>(reader);
+    if (!reader.ok()) return DecodeResult::kTooShort;
   }
   // The points that follow are markers on the body, which a pose does not need.
   return DecodeResult::kOk;
@@ -220,8 +170,8 @@ DecodeResult DecodeName(std::span<const std::byte> bytes, std::string_view& name
   Reader reader;
   const DecodeResult result = Begin(bytes, Type::kMeta, reader);
   if (result != DecodeResult::kOk) return result;
-  std::string_view lines = reader.Text();
-  if (reader.bad) return DecodeResult::kBadText;
+  std::string_view lines;
+  if (!ReadText(reader, lines)) return DecodeResult::kBadText;
   name = {};
   while (!lines.empty()) {
     const std::string_view line = lines.substr(0, lines.find('\n'));
@@ -237,11 +187,10 @@ DecodeResult DecodeTimecode(std::span<const std::byte> bytes, Timecode& out) noe
   Reader reader;
   const DecodeResult result = Begin(bytes, Type::kTimecode, reader);
   if (result != DecodeResult::kOk) return result;
-  constexpr std::size_t kText = 12;  // HH:MM:SS.mmm
-  if (reader.bytes.size() == kText + 4)
-    (void)reader.Unsigned(4);  // some senders put a length first
-  if (reader.bytes.size() != kText) return DecodeResult::kBadText;
-  const auto* text = reinterpret_cast<const char*>(reader.bytes.data());
+  constexpr std::size_t kText = 12;                    // HH:MM:SS.mmm
+  if (reader.left() == kText + 4) (void)reader.U32();  // some senders put a length first
+  if (reader.left() != kText) return DecodeResult::kBadText;
+  const auto* text = reader.Text(kText).data();
   const auto number = [text](std::size_t at, std::size_t digits, std::uint32_t& value) {
     value = 0;
     for (std::size_t i = at; i < at + digits; ++i) {
@@ -264,16 +213,16 @@ std::size_t EncodePose(Header header, std::span<const Segment> segments,
   header.items = static_cast<std::uint8_t>(segments.size());
   Writer writer = BeginWriting(header, out);
   for (const Segment& segment : segments) {
-    writer.Unsigned(segment.id, 4);
-    for (const float value : segment.position) writer.Float(value);
+    writer.U32(segment.id);
+    writer.Floats(segment.position);
     if (euler) {
-      for (const float degrees : ToEuler(segment.rotation)) writer.Float(degrees);
+      writer.Floats(ToEuler(segment.rotation));
       continue;
     }
     writer.Float(segment.rotation[3]);
     for (std::size_t i = 0; i < 3; ++i) writer.Float(segment.rotation[i]);
   }
-  return Finish(writer);
+  return Finish(writer, out);
 }
 
 std::size_t EncodeScale(Header header, std::span<const Scale::Row> segments,
@@ -281,24 +230,25 @@ std::size_t EncodeScale(Header header, std::span<const Scale::Row> segments,
   header.type = Type::kScale;
   header.items = 0;
   Writer writer = BeginWriting(header, out);
-  writer.Unsigned(static_cast<std::uint32_t>(segments.size()), 4);
+  writer.U32(static_cast<std::uint32_t>(segments.size()));
   for (const auto& row : segments) {
+    writer.U32(static_cast<std::uint32_t>(row.name.size()));
     writer.Text(row.name);
-    for (const float value : row.position_m) writer.Float(value);
+    writer.Floats(row.position_m);
   }
-  writer.Unsigned(0, 4);  // points
-  return Finish(writer);
+  writer.U32(0);  // points
+  return Finish(writer, out);
 }
 
 std::size_t EncodeName(Header header, std::string_view name, std::span<std::byte> out) noexcept {
   header.type = Type::kMeta;
   header.items = 1;
   Writer writer = BeginWriting(header, out);
-  writer.Unsigned(static_cast<std::uint32_t>(name.size() + 6), 4);
-  writer.Raw("name:");
-  writer.Raw(name);
-  writer.Raw("\n");
-  return Finish(writer);
+  writer.U32(static_cast<std::uint32_t>(name.size() + 6));
+  writer.Text("name:");
+  writer.Text(name);
+  writer.Text("\n");
+  return Finish(writer, out);
 }
 
 std::size_t EncodeTimecode(Header header, const Timecode& timecode,
@@ -307,16 +257,16 @@ std::size_t EncodeTimecode(Header header, const Timecode& timecode,
   header.items = 1;
   Writer writer = BeginWriting(header, out);
   const auto number = [&writer](std::uint32_t value, std::uint32_t unit) {
-    for (; unit > 0; unit /= 10) writer.Unsigned('0' + value / unit % 10, 1);
+    for (; unit > 0; unit /= 10) writer.U8('0' + value / unit % 10);
   };
   number(timecode.hours, 10);
-  writer.Raw(":");
+  writer.Text(":");
   number(timecode.minutes, 10);
-  writer.Raw(":");
+  writer.Text(":");
   number(timecode.seconds, 10);
-  writer.Raw(".");
+  writer.Text(".");
   number(timecode.milliseconds, 100);
-  return Finish(writer);
+  return Finish(writer, out);
 }
 
 }  // namespace styled::mvn

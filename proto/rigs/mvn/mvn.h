@@ -74,7 +74,8 @@ enum class [[nodiscard]] DecodeResult : std::uint8_t {
   kLengthMismatch,  // more bytes than header and items require
   kTooManyItems,    // more than kMaxSegments
   kBadText,         // a string that exceeds its datagram, or an invalid timecode
-  kNotThisType      // the header names another type
+  kNotThisType,     // the header names another type
+  kCount
 };
 std::string_view Name(DecodeResult result) noexcept;
 

@@ -1,20 +1,19 @@
 #include "proto/rigs/native/datagram.h"
 
 #include <array>
-#include <boost/crc.hpp>
 #include <cstring>
 
+#include "model/base/crc32c.h"
 #include "proto/rigs/native/header.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::native {
 namespace {
 
-using Crc = boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true>;
-
 // The checksum of a whole datagram, with its own field counted as 0.
 std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept {
   constexpr std::array<std::byte, header::kCrcSize> kZero{};
-  Crc crc;
+  Crc32cSum crc;
   crc.process_bytes(bytes.data(), header::kCrc);
   crc.process_bytes(kZero.data(), kZero.size());
   const auto rest = bytes.subspan(header::kCrc + header::kCrcSize);
@@ -25,31 +24,9 @@ std::uint32_t Checksum(std::span<const std::byte> bytes) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kTooShort:
-      return "too_short";
-    case DecodeResult::kTooLong:
-      return "too_long";
-    case DecodeResult::kBadMagic:
-      return "bad_magic";
-    case DecodeResult::kBadVersion:
-      return "bad_version";
-    case DecodeResult::kLengthMismatch:
-      return "length_mismatch";
-    case DecodeResult::kBadChecksum:
-      return "bad_checksum";
-    case DecodeResult::kBadReserved:
-      return "bad_reserved";
-    case DecodeResult::kBadKind:
-      return "bad_kind";
-    case DecodeResult::kNoSession:
-      return "no_session";
-    case DecodeResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(
+      result, {"ok", "too_short", "too_long", "bad_magic", "bad_version", "length_mismatch",
+               "bad_checksum", "bad_reserved", "bad_kind", "no_session"});
 }
 
 DecodeResult Decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept {
@@ -98,12 +75,6 @@ std::size_t Encode(const Datagram& datagram, std::span<std::byte> out) noexcept 
   header::Write<std::uint64_t>(out, header::kSequence, datagram.sequence);
   header::Write<std::uint32_t>(out, header::kCrc, Checksum(out.first(size)));
   return size;
-}
-
-std::uint32_t Crc32c(std::span<const std::byte> bytes) noexcept {
-  Crc crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
 }
 
 }  // namespace styled::native

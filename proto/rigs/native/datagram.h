@@ -56,7 +56,4 @@ STYLED_REALTIME DecodeResult Decode(std::span<const std::byte> bytes, Datagram& 
 // other overlap is allowed.
 STYLED_REALTIME std::size_t Encode(const Datagram& datagram, std::span<std::byte> out) noexcept;
 
-// CRC-32C (Castagnoli) of RFC 3720 B.4; also the value of SourceFrame.body_crc.
-STYLED_REALTIME std::uint32_t Crc32c(std::span<const std::byte> bytes) noexcept;
-
 }  // namespace styled::native

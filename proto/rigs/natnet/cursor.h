@@ -10,7 +10,7 @@
 #include "proto/rigs/cursor.h"
 #include "proto/rigs/natnet/packet.h"
 
-// For the codec only: what NatNet adds to the cursors that codecs share.
+// For the codec only: NatNet's additions to the cursors that codecs share.
 namespace styled::natnet {
 
 // From this version on, sections and data sets state their sizes, and a frame has assets and PTP
@@ -24,7 +24,7 @@ class Reader : public rigs::ByteReader<DecodeResult> {
  public:
   using ByteReader::ByteReader;
 
-  void Skip(std::size_t size) noexcept { Take(size); }
+  void Skip(std::size_t size) noexcept { Consume(size); }
 
   // Reads a text and its terminating NUL.
   std::string_view GetText() noexcept {
@@ -33,7 +33,7 @@ class Reader : public rigs::ByteReader<DecodeResult> {
       Fail(DecodeResult::kTruncated);
       return {};
     }
-    const auto taken = Take(static_cast<std::size_t>(end - bytes_.begin()) + 1);
+    const auto taken = Consume(static_cast<std::size_t>(end - bytes_.begin()) + 1);
     return {reinterpret_cast<const char*>(taken.data()), taken.size() - 1};
   }
 
@@ -47,9 +47,9 @@ class Reader : public rigs::ByteReader<DecodeResult> {
     return static_cast<std::size_t>(count);
   }
 
-  // Sub splits off a part with its own end. Join takes over the part's error after it was read;
+  // Sub splits off a part with its own end. Join adopts the part's error after it was read;
   // `exact`: it must have been read to its end.
-  Reader Sub(std::size_t size) noexcept { return Reader(Take(size)); }
+  Reader Sub(std::size_t size) noexcept { return Reader(Consume(size)); }
   void Join(const Reader& part, bool exact) noexcept {
     if (!part.ok()) return Fail(part.result());
     if (exact && part.left() > 0) Fail(DecodeResult::kSizeMismatch);

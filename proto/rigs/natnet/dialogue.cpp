@@ -83,7 +83,7 @@ std::size_t EncodeConnect(const Connect& connect, std::span<std::byte> out) noex
 
 DecodeResult DecodeServerInfo(std::span<const std::byte> payload, ServerInfo& info) noexcept {
   Reader reader(payload);
-  info.name = TextOf(reader.Take(kNameSize));
+  info.name = TextOf(reader.Consume(kNameSize));
   info.application = GetVersion(reader);
   info.natnet = GetVersion(reader);
   info.connection.reset();
@@ -116,20 +116,6 @@ std::string_view DecodeRequest(std::span<const std::byte> payload) noexcept {
   return TextOf(payload);
 }
 
-std::size_t EncodeRequest(std::string_view command, std::span<std::byte> out) noexcept {
-  Writer writer(out);
-  writer.PutText(command);
-  return writer.Finish(MessageId::kRequest);
-}
-
-DecodeResult DecodeNumber(std::span<const std::byte> payload, float& number) noexcept {
-  Reader reader(payload);
-  const auto read = reader.Get<float>();
-  if (reader.left() > 0) return DecodeResult::kTrailing;
-  if (reader.ok()) number = read;
-  return reader.result();
-}
-
 std::size_t EncodeNumber(float number, std::span<std::byte> out) noexcept {
   Writer writer(out);
   writer.Put(number);
@@ -142,22 +128,6 @@ DecodeResult DecodeEchoRequest(std::span<const std::byte> payload, Echo& echo) n
   if (reader.left() > 0) return DecodeResult::kTrailing;
   if (reader.ok()) echo.client = client;
   return reader.result();
-}
-
-DecodeResult DecodeEchoResponse(std::span<const std::byte> payload, Echo& echo) noexcept {
-  Reader reader(payload);
-  Echo read;
-  read.client = reader.Get<std::uint64_t>();
-  read.server = reader.Get<std::uint64_t>();
-  if (reader.left() > 0) return DecodeResult::kTrailing;
-  if (reader.ok()) echo = read;
-  return reader.result();
-}
-
-std::size_t EncodeEchoRequest(const Echo& echo, std::span<std::byte> out) noexcept {
-  Writer writer(out);
-  writer.Put(echo.client);
-  return writer.Finish(MessageId::kEchoRequest);
 }
 
 std::size_t EncodeEchoResponse(const Echo& echo, std::span<std::byte> out) noexcept {

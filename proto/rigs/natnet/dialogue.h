@@ -48,11 +48,7 @@ STYLED_REALTIME std::size_t EncodeServerInfo(const ServerInfo& info,
 
 // REQUEST: a command as text, e.g. "FrameRate"; up to a NUL or the payload's end.
 STYLED_REALTIME std::string_view DecodeRequest(std::span<const std::byte> payload) noexcept;
-STYLED_REALTIME std::size_t EncodeRequest(std::string_view command,
-                                          std::span<std::byte> out) noexcept;
 // RESPONSE to a request for a number, e.g. frames per second. Other responses have no common form.
-STYLED_REALTIME DecodeResult DecodeNumber(std::span<const std::byte> payload,
-                                          float& number) noexcept;
 STYLED_REALTIME std::size_t EncodeNumber(float number, std::span<std::byte> out) noexcept;
 
 // ECHO RESPONSE: the client's timestamp from the request, and the server's ticks at its arrival.
@@ -61,9 +57,6 @@ struct Echo {
 };
 STYLED_REALTIME DecodeResult DecodeEchoRequest(std::span<const std::byte> payload,
                                                Echo& echo) noexcept;  // writes `client`
-STYLED_REALTIME DecodeResult DecodeEchoResponse(std::span<const std::byte> payload,
-                                                Echo& echo) noexcept;
-STYLED_REALTIME std::size_t EncodeEchoRequest(const Echo& echo, std::span<std::byte> out) noexcept;
 STYLED_REALTIME std::size_t EncodeEchoResponse(const Echo& echo, std::span<std::byte> out) noexcept;
 
 }  // namespace styled::natnet

@@ -1,7 +1,5 @@
 #include "proto/rigs/natnet/frame.h"
 
-#include <algorithm>
-
 #include "proto/rigs/natnet/cursor.h"
 
 namespace styled::natnet {

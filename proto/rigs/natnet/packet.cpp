@@ -1,31 +1,13 @@
 #include "proto/rigs/natnet/packet.h"
 
 #include "proto/rigs/natnet/cursor.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::natnet {
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kTooShort:
-      return "too_short";
-    case DecodeResult::kLengthMismatch:
-      return "length_mismatch";
-    case DecodeResult::kOldVersion:
-      return "old_version";
-    case DecodeResult::kTruncated:
-      return "truncated";
-    case DecodeResult::kBadCount:
-      return "bad_count";
-    case DecodeResult::kSizeMismatch:
-      return "size_mismatch";
-    case DecodeResult::kTrailing:
-      return "trailing";
-    case DecodeResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "too_short", "length_mismatch", "old_version", "truncated",
+                                   "bad_count", "size_mismatch", "trailing"});
 }
 
 DecodeResult DecodePacket(std::span<const std::byte> bytes, Packet& packet) noexcept {

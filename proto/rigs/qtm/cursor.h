@@ -7,7 +7,7 @@
 #include "proto/rigs/cursor.h"
 #include "proto/rigs/qtm/packet.h"
 
-// For the codec only: what QTM RT adds to the cursors that codecs share.
+// For the codec only: QTM RT's additions to the cursors that codecs share.
 namespace styled::qtm {
 
 class Reader : public rigs::ByteReader<DecodeResult> {

@@ -15,7 +15,7 @@ void GetSkeletons(Reader& reader, Frame& frame) noexcept {
     const std::size_t segments = reader.GetCount(kSegmentSize);
     if (frame.skeleton_count == kMaxSkeletons) {
       ++frame.skeletons_left_out;
-      reader.Take(segments * kSegmentSize);
+      reader.Consume(segments * kSegmentSize);
       continue;
     }
     SkeletonPose& skeleton = frame.skeletons[frame.skeleton_count++];
@@ -23,7 +23,7 @@ void GetSkeletons(Reader& reader, Frame& frame) noexcept {
     if (segments > kMaxSegments) {
       ++frame.skeletons_left_out;
       skeleton.segment_count = 0;
-      reader.Take(segments * kSegmentSize);
+      reader.Consume(segments * kSegmentSize);
       continue;
     }
     for (std::size_t s = 0; s < segments; ++s) {
@@ -55,7 +55,7 @@ DecodeResult DecodeFrame(std::span<const std::byte> payload, Frame& frame) noexc
   for (std::size_t n = reader.GetCount(kHeaderSize); n > 0 && reader.ok(); --n) {
     const auto size = reader.Get<std::uint32_t>();
     const auto type = reader.Get<Component>();
-    Reader body(reader.Take(size < kHeaderSize ? kMaxPacketSize : size - kHeaderSize));
+    Reader body(reader.Consume(size < kHeaderSize ? kMaxPacketSize : size - kHeaderSize));
     if (!reader.ok()) break;
     if (type == Component::kSkeletons && !frame.has_skeletons) GetSkeletons(body, frame);
     if (type == Component::kTimecode && !frame.has_timecode) GetTimecode(body, frame);

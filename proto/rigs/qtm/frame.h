@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 
 #include "proto/rigs/qtm/packet.h"
 #include "proto/rigs/qtm/timecode.h"
@@ -36,7 +35,7 @@ struct Markers {
 struct Frame {
   std::int64_t timestamp_us = 0;  // of the cameras, since the measurement began
   std::uint32_t number = 0;
-  bool has_skeletons = false;  // without it the packet has none to say anything about
+  bool has_skeletons = false;  // without it the packet has no timecode
   std::size_t skeleton_count = 0;
   std::size_t skeletons_left_out = 0;
   std::array<SkeletonPose, kMaxSkeletons> skeletons;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "proto/rigs/qtm/cursor.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::qtm {
 namespace {
@@ -42,7 +43,7 @@ std::size_t Largest(PacketType type) noexcept {
   }
 }
 
-// ASCII alone: no locale decides what QTM says.
+// ASCII only, so that no locale changes how QTM's text is read.
 char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {
@@ -54,27 +55,8 @@ bool StartsWithFolded(std::string_view text, std::string_view start) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case DecodeResult::kOk:
-      return "ok";
-    case DecodeResult::kTooShort:
-      return "too_short";
-    case DecodeResult::kSizeMismatch:
-      return "size_mismatch";
-    case DecodeResult::kTooLarge:
-      return "too_large";
-    case DecodeResult::kBadType:
-      return "bad_type";
-    case DecodeResult::kTruncated:
-      return "truncated";
-    case DecodeResult::kBadCount:
-      return "bad_count";
-    case DecodeResult::kBadTime:
-      return "bad_time";
-    case DecodeResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "too_short", "size_mismatch", "too_large", "bad_type",
+                                   "truncated", "bad_count", "bad_time"});
 }
 
 DecodeResult DecodePacket(std::span<const std::byte> bytes, Packet& packet) noexcept {
@@ -128,7 +110,7 @@ std::string ToString(std::string_view text) {
 
 bool IsGreeting(std::string_view text) noexcept { return StartsWithFolded(text, kGreeting); }
 
-bool TakesVersion(std::string_view text) noexcept {
+bool AcceptsVersion(std::string_view text) noexcept {
   return StartsWithFolded(text, "Version set to");
 }
 

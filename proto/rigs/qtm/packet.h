@@ -10,27 +10,27 @@
 #include "proto/rigs/cut.h"
 
 // Qualisys Track Manager's real-time protocol (QTM RT), versions 1.19 to 1.25, over TCP on the
-// little-endian port. A client connects, is greeted, asks for a version and for parameters (XML),
-// and then for a stream of data packets. Pure functions; any thread; nothing in this header
-// allocates, blocks or throws, but for ToString. Facts from the published description of the
-// protocol (1.20), and from the behaviour of qualisys_cpp_sdk, qualisys_python_sdk and qualisys-rt
-// (all MIT); none of their code is used. Pinned by tests/unit/qtm on bytes written by hand and by
+// little-endian port. A client connects, receives a greeting, requests a version and parameters
+// (XML), and then a stream of data packets. Pure functions; any thread; except for ToString nothing
+// in this header allocates, blocks or throws. Facts from the published description of the protocol
+// (1.20), and from the behaviour of qualisys_cpp_sdk, qualisys_python_sdk and qualisys-rt (all
+// MIT); none of their code is used. Pinned by tests/unit/qtm on bytes written by hand and by
 // tests/witness/qtm, fuzzed by tests/fuzz/qtm.
 namespace styled::qtm {
 
 inline constexpr std::uint16_t kPort = 22223;  // little-endian; 22224 is big-endian
 inline constexpr std::size_t kHeaderSize = 8;
-// Of a packet with its header; what a record of a recording holds (proto/recording/block.h, 2 MiB)
-// with room for what it says of the packet.
+// The largest packet with its header: a record of a recording (proto/recording/block.h, 2 MiB)
+// minus room for the record's other fields.
 inline constexpr std::size_t kMaxPacketSize = (2U << 20U) - (64U << 10U);
-// Of XML, the largest packet. A skeleton with fingers has 120 KB of it, and QTM lists all that it
-// knows, also those that are left out here: this is enough for 68. The bound of what a receiver
-// keeps for a connection; what exceeds kMaxPacketSize is not recorded.
+// The largest XML, which is the largest packet. A skeleton with fingers has 120 KB of it, and QTM
+// lists all its skeletons, including those that are left out here: this is enough for 68. It bounds
+// a receiver's memory per connection; packets beyond kMaxPacketSize are not recorded.
 inline constexpr std::size_t kMaxXmlSize = 8U << 20U;
 inline constexpr std::size_t kMaxTextSize = 4096;  // of a command's or an error's packet
 
-// Of a frame and of the XML: further skeletons are left out, and a skeleton with more segments is
-// refused.
+// Limits of a frame and of the XML: further skeletons are left out, and a skeleton with more
+// segments is refused.
 inline constexpr std::size_t kMaxSkeletons = 16, kMaxSegments = 128;
 
 // One packet: u32 size of all of it, u32 type, payload.
@@ -51,9 +51,9 @@ struct Packet {
   std::span<const std::byte> payload;  // points into the bytes that were decoded
 };
 
-// What happens in QTM; others are numbered up to 16.
+// Events in QTM; others are numbered up to 16.
 enum class Event : std::uint8_t {
-  kConnected = 1,  // to the cameras, or a file was opened
+  kConnected = 1,  // a connection to the cameras, or an opened file
   kConnectionClosed = 2,
   kCaptureStarted = 3,
   kCaptureStopped = 4,
@@ -62,7 +62,7 @@ enum class Event : std::uint8_t {
   kShuttingDown = 12
 };
 
-// Of the protocol; the major number is 1. From 1.21 on skeletons are nested in the XML.
+// The protocol's version; the major number is 1. From 1.21 on skeletons are nested in the XML.
 inline constexpr int kNewestMinor = 25, kOldestMinor = 19, kNestedMinor = 21;
 
 // Why a packet is refused, in the order in which the rules are checked.
@@ -86,7 +86,7 @@ STYLED_REALTIME DecodeResult DecodePacket(std::span<const std::byte> bytes,
 
 // Finds the packet at the front of a stream's bytes; writes `size` on kRecord only. A header with
 // an unknown type, or with a size that its type may not have, is kBroken before its payload has
-// come.
+// arrived.
 STYLED_REALTIME rigs::Cut CutPacket(std::span<const std::byte> received,
                                     std::size_t& size) noexcept;
 // Why the header at the front is kBroken, and what was expected, for a message.
@@ -94,13 +94,14 @@ std::string WhyBroken(std::span<const std::byte> received);
 
 // The text of an error, a command or XML: up to its NUL, or the end of the payload.
 STYLED_REALTIME std::string_view TextOf(std::span<const std::byte> payload) noexcept;
-// The same on one line, other characters than printable ASCII as '?', cut to 200, for messages.
+// The same on one line for messages, at most 200 bytes, with '?' for everything but printable
+// ASCII.
 std::string ToString(std::string_view text);
 
-// Of a server's text, in any case of letters: whether it greets a client, whether it takes the
-// version that it was asked for.
+// Whether a server's text, in any case of letters, greets a client, or accepts the requested
+// version.
 STYLED_REALTIME bool IsGreeting(std::string_view text) noexcept;
-STYLED_REALTIME bool TakesVersion(std::string_view text) noexcept;
+STYLED_REALTIME bool AcceptsVersion(std::string_view text) noexcept;
 inline constexpr std::string_view kGreeting = "QTM RT Interface connected";
 
 // Each writes a packet to the front of `out` and returns its size; 0 if it does not fit. The

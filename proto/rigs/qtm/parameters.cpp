@@ -23,7 +23,8 @@ bool ReadNumber(std::string_view text, T& value) {
          std::abs(static_cast<double>(value)) < 1e10;
 }
 
-// Reads the attributes called by `names`, one letter each; those that are missing are left.
+// Reads the attributes called by `names`, one letter each; leaves the values of missing ones
+// unchanged.
 template <std::size_t N>
 Status ReadAttributes(const xml_node& node, const char (&names)[N], std::string_view where,
                       std::array<double, N - 1>& values) {
@@ -67,7 +68,7 @@ class SkeletonReader {
   Status ReadSegments(const xml_node& holder, int parent, int depth) {
     if (depth > kMaxDepth) return Refuse("segments deeper than " + std::to_string(kMaxDepth));
     for (const xml_node& node : holder.children("Segment")) {
-      // Only counted: to look for a parent among any number takes the square of that number.
+      // Only counted: looking for parents among an unlimited number would take quadratic time.
       if (out_.segments.size() == kMaxSegments) {
         ++out_.segments_left_out;
         if (Status status = ReadNested(node, parent, depth); !status.ok()) return status;
@@ -154,8 +155,8 @@ Status ReadRoot(const xml_node& root, Parameters& out) {
 std::string_view Name(Axis axis) noexcept { return kAxes[static_cast<std::size_t>(axis)]; }
 
 Result<Parameters> ReadParameters(std::string_view xml) {
-  // Before it is parsed, so that memory is bounded. Each element begins with this character, which
-  // cannot stand for anything else in XML.
+  // Checked before the text is parsed, so that memory is bounded. Each element begins with this
+  // character, which has no other meaning in XML.
   if (static_cast<std::size_t>(std::ranges::count(xml, '<')) > 2 * kMaxElements) {
     return Status::Error("XML with more than " + std::to_string(kMaxElements) + " elements");
   }

@@ -12,8 +12,8 @@
 
 namespace styled::qtm {
 
-// Refused beyond: an honest XML has some forty elements for each segment, at most about 30 deep.
-// Room for as many skeletons as kMaxXmlSize has.
+// Larger documents are refused: a real XML has some forty elements for each segment, at most about
+// 30 deep. Room for as many skeletons as kMaxXmlSize has.
 inline constexpr std::size_t kMaxElements = 200'000;
 inline constexpr int kMaxDepth = 128;
 
@@ -22,7 +22,7 @@ struct SegmentDescription {
   std::string name;
   std::uint32_t id = 0;
   int parent = -1;  // index of an earlier segment; -1: a root
-  // Relative to the parent, or in the capture volume where SkeletonDescription::global says so.
+  // Relative to the parent, or in the capture volume if SkeletonDescription::global is set.
   std::array<double, 3> position_mm{};
   std::array<double, 4> rotation{0, 0, 0, 1};  // x, y, z, w
 };
@@ -35,7 +35,7 @@ struct SkeletonDescription {
 
 enum class Axis : std::uint8_t { kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
 
-// What an XML of GetParameters says; what it does not mention is empty.
+// The content of an XML of GetParameters; parameters that it does not mention are empty.
 struct Parameters {
   std::optional<double> frequency_hz;  // General
   std::optional<Axis> up;              // 3D: AxisUpwards
@@ -44,14 +44,14 @@ struct Parameters {
   std::vector<std::string> labels;  // 3D: written, never read
 };
 
-// Reads any of these parameters, found by their elements' names; T-poses are DefaultTransform's,
-// else Transform's, else the segment's own. Errors say where and what was expected: text that is
-// not XML, more than kMaxElements or kMaxDepth, a number that is none, a segment whose Parent_ID is
-// none of the segments before it. Allocates at most about 30 times the text. Pinned by
+// Reads any of these parameters, found by their elements' names. T-poses are DefaultTransform's,
+// else Transform's, else the segment's own. Errors state the place and what was expected: text that
+// is not XML, more than kMaxElements or kMaxDepth, an invalid number, a segment whose Parent_ID is
+// not that of an earlier segment. Allocates at most about 30 times the text. Pinned by
 // tests/unit/qtm/parameters_test.cpp.
 Result<Parameters> ReadParameters(std::string_view xml);
 
-// Writes what version 1.`minor` would: nested segments from 1.21 on, for which positions are
+// Writes the XML of version 1.`minor`: nested segments from 1.21 on, for which positions are
 // relative to the parents; else a flat list in the capture volume.
 std::string WriteParameters(const Parameters& parameters, int minor);
 

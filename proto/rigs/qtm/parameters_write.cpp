@@ -54,7 +54,7 @@ void AppendNested(xml_node parent, const SkeletonDescription& skeleton) {
     node.append_attribute("Name") = segment.name.c_str();
     node.append_attribute("ID") = segment.id;
     node.append_child("Solver").text() = "Global Optimization";
-    // Where the segment happened to be when it was defined: not the T-pose.
+    // Where the segment was when it was defined, which is not the T-pose.
     SegmentDescription defined = segment;
     defined.rotation = {1, 0, 0, 0};
     AppendTransform(node.append_child("Transform"), defined);

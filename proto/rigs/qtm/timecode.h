@@ -4,7 +4,7 @@
 
 namespace styled::qtm {
 
-// A timecode as QTM packs it: the kind and 64 bits.
+// A timecode in QTM's packing: the kind and 64 bits.
 struct Timecode {
   enum class Kind : std::uint32_t { kSmpte = 0, kIrig = 1, kCamera = 2 };
   Kind kind = Kind::kSmpte;
@@ -16,8 +16,8 @@ struct ClockTime {
   std::uint32_t hours = 0, minutes = 0, seconds = 0, parts = 0;
 };
 
-// `low` of SMPTE and of IRIG, but for the number of bits of the last one: 5 and 4. A frame number
-// of SMPTE is below 32. IRIG's year and day are in `high`.
+// `low` has the same layout for SMPTE and IRIG, except for the number of bits of the last field: 5
+// and 4. A frame number of SMPTE is below 32. IRIG's year and day are in `high`.
 constexpr ClockTime Unpack(const Timecode& timecode) noexcept {
   const std::uint32_t low = timecode.low;
   const std::uint32_t parts = timecode.kind == Timecode::Kind::kIrig ? 0xFU : 0x1FU;

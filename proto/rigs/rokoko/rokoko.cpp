@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "proto/rigs/result_name.h"
 #include "proto/rigs/rokoko/json_reader.h"
 
 namespace styled::rokoko {
@@ -241,7 +242,7 @@ class FrameReader {
                        [this](Value& value, float& out) { return ReadFloat(value, out); });
   }
 
-  // The same, but what is no float reads as NaN.
+  // The same, but a value that is not a float reads as NaN.
   template <std::size_t kCount>
   bool ReadAny(Value& object, std::array<float, kCount>& values, std::string_view letters,
                bool& all) noexcept {
@@ -263,7 +264,7 @@ class FrameReader {
   int joint_hint_ = 0;
 };
 
-// Writes text until something does not fit.
+// Writes text until a part does not fit.
 class TextWriter {
  public:
   explicit TextWriter(std::span<char> out) noexcept : out_(out) {}
@@ -360,29 +361,8 @@ void Named::set_name(std::string_view name) noexcept {
 }
 
 std::string_view Name(DecodeResult result) noexcept {
-  switch (result) {
-    case R::kOk:
-      return "ok";
-    case R::kNotRokoko:
-      return "not_rokoko";
-    case R::kBadLz4:
-      return "bad_lz4";
-    case R::kTooLong:
-      return "too_long";
-    case R::kBadJson:
-      return "bad_json";
-    case R::kTooDeep:
-      return "too_deep";
-    case R::kBadVersion:
-      return "bad_version";
-    case R::kBadValue:
-      return "bad_value";
-    case R::kMissing:
-      return "missing";
-    case R::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "not_rokoko", "bad_lz4", "too_long", "bad_json",
+                                   "too_deep", "bad_version", "bad_value", "missing"});
 }
 
 Decoder::Decoder() : json_(std::make_unique<JsonReader>(kMaxTextSize)) {}

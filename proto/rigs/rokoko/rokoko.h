@@ -46,7 +46,7 @@ struct Actor : Named {
   std::array<float, arkit::kShapes> face{};    // 0 .. 1 as a rule; as received, not checked
 };
 
-// A tracked object of the scene. A number that is no float is NaN.
+// A tracked object of the scene. A number that is not a float is NaN.
 struct Prop : Named {
   JointPose pose;
 };
@@ -80,12 +80,11 @@ std::string_view Name(DecodeResult result) noexcept;
 
 class JsonReader;
 
-// Decodes frames. A joint is present if its position and rotation have all their numbers. What is
-// wrong with a prop alone makes no frame wrong. A member
-// that is null counts as absent; of members of the same name the last one counts. JsonReader reads
-// the text, with its limits. Of several errors in a frame any one may be the result. `frame` is
-// unspecified unless kOk. One thread; the constructor allocates (15 MB), the other functions do
-// not.
+// Decodes frames. A joint is present if its position and rotation have all their numbers. An
+// invalid prop does not make the frame invalid. A member that is null counts as absent; of members
+// of the same name the last one counts. JsonReader reads the text, with its limits. Of several
+// errors in a frame any one may be the result. `frame` is unspecified unless kOk. One thread; the
+// constructor allocates (15 MB), the other functions do not.
 class Decoder {
  public:
   Decoder();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::slimevr {
 namespace {
 
@@ -221,19 +223,7 @@ const Orientation* OrientationOf(const Record& record) noexcept {
 }
 
 std::string_view Name(ReportResult result) noexcept {
-  switch (result) {
-    case ReportResult::kOk:
-      return "ok";
-    case ReportResult::kEmpty:
-      return "empty";
-    case ReportResult::kRagged:
-      return "ragged";
-    case ReportResult::kTooLong:
-      return "too_long";
-    case ReportResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "empty", "ragged", "too_long"});
 }
 
 ReportResult DecodeReport(std::span<const std::byte> bytes, Report& report) noexcept {

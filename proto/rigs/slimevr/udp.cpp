@@ -1,9 +1,11 @@
 #include "proto/rigs/slimevr/udp.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
+
+#include "proto/rigs/big_endian.h"
+#include "proto/rigs/result_name.h"
 
 namespace styled::slimevr {
 namespace {
@@ -11,58 +13,28 @@ namespace {
 constexpr std::uint32_t kBundleType = 100, kCompactBundleType = 101;
 constexpr float kQ15 = 32768, kQ7 = 128;
 
-// Reads from the front. Past the end it returns zeros and ok() becomes false.
-class Reader {
+class Reader : public rigs::BigEndianReader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
+  using BigEndianReader::BigEndianReader;
 
-  bool ok() const noexcept { return ok_; }
-  std::size_t left() const noexcept { return bytes_.size(); }
-
-  std::span<const std::byte> Take(std::size_t size) noexcept {
-    if (size > bytes_.size()) {
-      ok_ = false;
-      bytes_ = {};
-      return {};
-    }
-    const auto taken = bytes_.first(size);
-    bytes_ = bytes_.subspan(size);
-    return taken;
-  }
-  template <typename T>
-  T Number() noexcept {
-    std::uint64_t value = 0;
-    for (const std::byte b : Take(sizeof(T))) value = value << 8U | std::to_integer<unsigned>(b);
-    return static_cast<T>(value);
-  }
   // Returns `otherwise` if fewer bytes are left than the number has.
   template <typename T>
   T NumberOr(T otherwise) noexcept {
     return left() < sizeof(T) ? otherwise : Number<T>();
   }
-  std::uint8_t U8() noexcept { return Number<std::uint8_t>(); }
-  float Raw() noexcept { return std::bit_cast<float>(Number<std::uint32_t>()); }
-  float Float() noexcept {
-    const float value = Raw();
+  float FiniteFloat() noexcept {
+    const float value = Float();
     return std::isfinite(value) ? value : 0.0F;
   }
   std::array<float, 3> Float3() noexcept {
-    const float x = Float(), y = Float(), z = Float();
+    const float x = FiniteFloat(), y = FiniteFloat(), z = FiniteFloat();
     return {x, y, z};
   }
   Orientation Quaternion() noexcept {
-    const float x = Raw(), y = Raw(), z = Raw(), w = Raw();
+    const float x = Float(), y = Float(), z = Float(), w = Float();
     return MakeOrientation(x, y, z, w);
   }
   float Fixed(float one) noexcept { return static_cast<float>(Number<std::int16_t>()) / one; }
-  std::string_view Text(std::size_t size) noexcept {
-    const auto bytes = Take(size);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  bool ok_ = true;
 };
 
 Handshake ReadHandshake(Reader& in) noexcept {
@@ -70,11 +42,11 @@ Handshake ReadHandshake(Reader& in) noexcept {
   h.board = in.NumberOr<std::uint32_t>(0);
   h.imu = in.NumberOr<std::uint32_t>(0);
   h.mcu = in.NumberOr<std::uint32_t>(0);
-  if (in.left() >= 12) in.Take(12);  // IMU fields that are not used any more
+  if (in.left() >= 12) in.Bytes(12);  // IMU fields that are not used any more
   h.protocol = in.NumberOr<std::uint32_t>(0);
   h.firmware = in.Text(in.NumberOr<std::uint8_t>(0));
   if (in.left() >= h.mac.size()) {
-    const auto mac = in.Take(h.mac.size());
+    const auto mac = in.Bytes(h.mac.size());
     std::memcpy(h.mac.data(), mac.data(), mac.size());
   }
   h.tracker_type = in.NumberOr<std::uint8_t>(0);
@@ -127,15 +99,15 @@ bool ReadPacket(std::uint32_t type, Reader& in, Packet& packet) noexcept {
       packet = Acceleration{in.Float3(), in.NumberOr<std::uint8_t>(0)};
       return true;
     case 10:
-      packet = Ping{in.Number<std::uint32_t>()};
+      packet = Ping{in.U32()};
       return true;
     case 11:
-      packet = Text{in.Text(in.Number<std::uint32_t>())};
+      packet = Text{in.Text(in.U32())};
       return true;
     // Old firmware sends the level only, new firmware the voltage before it.
     case 12: {
       const bool both = in.left() >= 8;
-      packet = BatteryLevel{both ? in.Float() : 0.0F, in.Float()};
+      packet = BatteryLevel{both ? in.FiniteFloat() : 0.0F, in.FiniteFloat()};
       return true;
     }
     case 13:
@@ -151,13 +123,13 @@ bool ReadPacket(std::uint32_t type, Reader& in, Packet& packet) noexcept {
       packet = Rotation{in.U8(), in.U8(), in.Quaternion(), in.NumberOr<std::uint8_t>(0)};
       return true;
     case 18:
-      packet = MagnetometerAccuracy{in.U8(), in.Float()};
+      packet = MagnetometerAccuracy{in.U8(), in.FiniteFloat()};
       return true;
     case 19:
       packet = SignalStrength{in.U8(), in.Number<std::int8_t>()};
       return true;
     case 20:
-      packet = Temperature{in.U8(), in.left() >= 4 ? in.Float() : 0.0F};
+      packet = Temperature{in.U8(), in.left() >= 4 ? in.FiniteFloat() : 0.0F};
       return true;
     case 21:
       packet = UserAction{in.U8()};
@@ -172,7 +144,7 @@ bool ReadPacket(std::uint32_t type, Reader& in, Packet& packet) noexcept {
       packet = ConfigAck{in.U8(), in.Number<std::uint16_t>()};
       return true;
     case 26:
-      packet = Flex{in.U8(), in.Float()};
+      packet = Flex{in.U8(), in.FiniteFloat()};
       return true;
     case 27:
       packet = Position{in.U8(), in.Float3()};
@@ -202,8 +174,8 @@ UdpResult ReadPackets(std::uint32_t type, Reader& in, int depth, Datagram& datag
     if (!in.ok()) return UdpResult::kTooShort;
     if (length == 0) continue;
     // A length that exceeds the bundle is cut, as the server does.
-    Reader inner(in.Take(std::min(length, in.left())));
-    const std::uint32_t inner_type = compact ? inner.U8() : inner.Number<std::uint32_t>();
+    Reader inner(in.Bytes(std::min(length, in.left())));
+    const std::uint32_t inner_type = compact ? inner.U8() : inner.U32();
     if (!inner.ok()) return UdpResult::kTooShort;
     const UdpResult result = ReadPackets(inner_type, inner, depth + 1, datagram);
     if (result != UdpResult::kOk) return result;
@@ -214,26 +186,12 @@ UdpResult ReadPackets(std::uint32_t type, Reader& in, int depth, Datagram& datag
 }  // namespace
 
 std::string_view Name(UdpResult result) noexcept {
-  switch (result) {
-    case UdpResult::kOk:
-      return "ok";
-    case UdpResult::kTooShort:
-      return "too_short";
-    case UdpResult::kTooDeep:
-      return "too_deep";
-    case UdpResult::kTooMany:
-      return "too_many";
-    case UdpResult::kNoAnswer:
-      return "no_answer";
-    case UdpResult::kCount:
-      break;
-  }
-  return "unknown";
+  return rigs::ResultName(result, {"ok", "too_short", "too_deep", "too_many", "no_answer"});
 }
 
 UdpResult Decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept {
   Reader in(bytes);
-  const auto type = in.Number<std::uint32_t>();
+  const auto type = in.U32();
   datagram.number = in.Number<std::uint64_t>();
   datagram.count = datagram.unknown = 0;
   if (!in.ok()) return UdpResult::kTooShort;
@@ -247,14 +205,14 @@ UdpResult DecodeAnswer(std::span<const std::byte> bytes, Answer& answer) noexcep
     return UdpResult::kOk;
   }
   Reader in(bytes);
-  const auto type = in.Number<std::uint32_t>();
+  const auto type = in.U32();
   if (in.ok() && type == 15) {
     const SensorInfoAck ack{in.U8(), in.U8()};
     if (!in.ok()) return UdpResult::kTooShort;
     answer = ack;
     return UdpResult::kOk;
   }
-  in.Take(8);
+  in.Bytes(8);
   if (!in.ok()) return UdpResult::kTooShort;
   Answer read;
   switch (type) {
@@ -262,7 +220,7 @@ UdpResult DecodeAnswer(std::span<const std::byte> bytes, Answer& answer) noexcep
       read = Heartbeat{};
       break;
     case 10:
-      read = Ping{in.Number<std::uint32_t>()};
+      read = Ping{in.U32()};
       break;
     case 22:
       read = ReadFlags(in);

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <initializer_list>
 
+#include "proto/rigs/big_endian.h"
 #include "proto/rigs/slimevr/udp.h"
 
 namespace styled::slimevr {
@@ -11,25 +11,10 @@ namespace {
 constexpr std::uint32_t kBundleType = 100, kCompactBundleType = 101;
 constexpr float kQ15 = 32768, kQ7 = 128;
 
-// Writes to the front. If something does not fit, size() is 0.
-class Writer {
+class Writer : public rigs::BigEndianWriter {
  public:
-  explicit Writer(std::span<std::byte> out) noexcept : out_(out) {}
+  using BigEndianWriter::BigEndianWriter;
 
-  std::size_t size() const noexcept { return ok_ ? at_ : 0; }
-  template <typename T>
-  void Number(T value) noexcept {
-    if (at_ + sizeof(T) > out_.size()) ok_ = false;
-    if (!ok_) return;
-    for (std::size_t i = sizeof(T); i-- > 0;) {
-      out_[at_++] = static_cast<std::byte>((static_cast<std::uint64_t>(value) >> (8 * i)) & 0xFFU);
-    }
-  }
-  void U8(std::uint8_t value) noexcept { Number(value); }
-  void Float(float value) noexcept { Number(std::bit_cast<std::uint32_t>(value)); }
-  void Floats(std::span<const float> values) noexcept {
-    for (const float value : values) Float(value);
-  }
   void Fixed(std::span<const float> values, float one) noexcept {
     for (const float value : values) {
       const float scaled = std::isfinite(value) ? std::round(value * one) : 0.0F;
@@ -37,14 +22,6 @@ class Writer {
       Number(static_cast<std::uint16_t>(fixed));
     }
   }
-  void Text(std::string_view text) noexcept {
-    for (const char c : text) U8(static_cast<std::uint8_t>(c));
-  }
-
- private:
-  std::span<std::byte> out_;
-  std::size_t at_ = 0;
-  bool ok_ = true;
 };
 
 // A packet's type on the wire. WriteBody below writes its body.

@@ -264,9 +264,9 @@ bool Assembler::Close(bool learn) noexcept {
   // Learn only from poses, since expressions may come separately and at their own rate; and from a
   // T alone, which ends a frame that was taken for finished before.
   if (learn && (pose || !content) && last_key_ != 0) LearnEnd();
-  const bool good = content && TakeTime();
+  const bool good = content && AcceptTime();
   if (good) {
-    TakeBones();
+    AcceptBones();
     LearnPeriod();
     open_index_ = 1 - open_index_;
   }
@@ -281,7 +281,7 @@ void Assembler::LearnEnd() noexcept {
 }
 
 // Sets the frame's time. Returns false if it is not later than the last one.
-bool Assembler::TakeTime() noexcept {
+bool Assembler::AcceptTime() noexcept {
   Frame& frame = open();
   if (!has_mark_ || clock_stands_ || !IsClock(mark_s_)) return true;
   if (any_time_ && mark_s_ <= last_time_s_) {
@@ -298,7 +298,7 @@ bool Assembler::TakeTime() noexcept {
   return true;
 }
 
-void Assembler::TakeBones() noexcept {
+void Assembler::AcceptBones() noexcept {
   Frame& frame = open();
   if (frame.bones == 0) return;
   if ((expected_ & ~frame.bones) != 0) ++counts_.incomplete;

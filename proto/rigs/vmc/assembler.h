@@ -118,8 +118,8 @@ class Assembler {
   void AddBlend(const Blend& blend) noexcept;
   void AddThru(const Thru& thru) noexcept;
   bool Close(bool learn) noexcept;
-  bool TakeTime() noexcept;
-  void TakeBones() noexcept;
+  bool AcceptTime() noexcept;
+  void AcceptBones() noexcept;
   void LearnEnd() noexcept;
   void LearnPeriod() noexcept;
   void Clear() noexcept;

@@ -5,14 +5,14 @@
 
 #include "proto/rigs/vmc/vmc.h"
 
-// VMC's tracking devices: what an assistant sends instead of bones, and the form in which props
-// leave. Space and rules as in vmc.h. Pinned by tests/unit/vmc/device_test.cpp, fuzzed by
+// VMC's tracking devices: sent by assistants instead of bones, and the form in which props are sent
+// to clients. Space and rules as in vmc.h. Pinned by tests/unit/vmc/device_test.cpp, fuzzed by
 // tests/fuzz/vmc.
 namespace styled::vmc {
 
 // /VMC/Ext/{Hmd,Con,Tra}/Pos: a head-mounted display, a controller, a tracker. Only the serial
-// identifies it; no message says on which part of the body it is. The same addresses with /Local,
-// in the device's own space, and /VMC/Ext/Con, a button, are others.
+// identifies it; no message states its part of the body. The same addresses with /Local (in the
+// device's own space) and /VMC/Ext/Con (a button) are different messages.
 struct Device {
   enum class Kind : std::uint8_t { kHmd, kController, kTracker };
   Kind kind = Kind::kTracker;

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstring>
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::vmc::osc {
 namespace {
 
@@ -20,7 +22,7 @@ std::uint32_t Word(std::span<const std::byte> bytes) noexcept {
 constexpr std::size_t Padded(std::size_t size) noexcept { return (size + 3) & ~std::size_t{3}; }
 
 // Removes `size` bytes and their zero padding to a multiple of 4 from the front of `bytes`.
-bool TakePadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
+bool SkipPadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
   if (size > bytes.size() || Padded(size) > bytes.size()) return false;
   const auto padding = bytes.subspan(size, Padded(size) - size);
   bytes = bytes.subspan(Padded(size));
@@ -28,12 +30,12 @@ bool TakePadded(std::span<const std::byte>& bytes, std::size_t size) noexcept {
 }
 
 // Removes a text and its padding from the front of `bytes`. Returns false if it has no end.
-bool TakeText(std::span<const std::byte>& bytes, std::string_view& text) noexcept {
+bool ReadText(std::span<const std::byte>& bytes, std::string_view& text) noexcept {
   const auto end = std::find(bytes.begin(), bytes.end(), std::byte{0});
   if (end == bytes.end()) return false;
   text = {reinterpret_cast<const char*>(bytes.data()),
           static_cast<std::size_t>(end - bytes.begin())};
-  return TakePadded(bytes, text.size() + 1);
+  return SkipPadded(bytes, text.size() + 1);
 }
 
 // Checks that the bytes of the arguments match their types exactly.
@@ -61,11 +63,11 @@ Result CheckArguments(std::string_view types, std::span<const std::byte> bytes) 
         break;
       case 's':
       case 'S':
-        there = TakeText(bytes, text);
+        there = ReadText(bytes, text);
         break;
       case 'b': {
         const std::size_t size = bytes.size() < 4 ? 0 : Word(bytes);
-        there = skip(4) && TakePadded(bytes, size);
+        there = skip(4) && SkipPadded(bytes, size);
         break;
       }
       case 'T':
@@ -85,13 +87,13 @@ Result CheckArguments(std::string_view types, std::span<const std::byte> bytes) 
 
 Result ReadMessage(std::span<const std::byte> bytes, Message& message) noexcept {
   message.bytes = bytes;
-  if (bytes.front() != std::byte{'/'} || !TakeText(bytes, message.address)) {
+  if (bytes.front() != std::byte{'/'} || !ReadText(bytes, message.address)) {
     return Result::kBadAddress;
   }
   message.types = {};
   // Old senders omit the type tags of a message without arguments.
   if (!bytes.empty()) {
-    if (bytes.front() != std::byte{','} || !TakeText(bytes, message.types)) {
+    if (bytes.front() != std::byte{','} || !ReadText(bytes, message.types)) {
       return Result::kBadTypes;
     }
     message.types.remove_prefix(1);
@@ -103,10 +105,9 @@ Result ReadMessage(std::span<const std::byte> bytes, Message& message) noexcept 
 }  // namespace
 
 std::string_view Name(Result result) noexcept {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(Result::kCount)> kNames{
-      "ok",        "too_short",     "too_long", "bad_size",    "bad_address",
-      "bad_types", "bad_arguments", "surplus",  "bad_element", "too_deep"};
-  return result < Result::kCount ? kNames[static_cast<std::size_t>(result)] : "unknown";
+  return rigs::ResultName(result,
+                          {"ok", "too_short", "too_long", "bad_size", "bad_address", "bad_types",
+                           "bad_arguments", "surplus", "bad_element", "too_deep"});
 }
 
 Reader::Reader(std::span<const std::byte> datagram) noexcept { rest_[0] = datagram; }
@@ -117,7 +118,7 @@ Reader::Step Reader::Fail(Result why) noexcept {
 }
 
 // Reads a message, or opens a bundle. kEnd means a bundle was opened and there is no message yet.
-Reader::Step Reader::TakeElement(std::span<const std::byte> element, Message& message) noexcept {
+Reader::Step Reader::EnterElement(std::span<const std::byte> element, Message& message) noexcept {
   if (element.size() % 4 != 0) return Fail(Result::kBadSize);
   if (element.size() >= kBundle.size() &&
       std::memcmp(element.data(), kBundle.data(), kBundle.size()) == 0) {
@@ -137,7 +138,7 @@ Reader::Step Reader::Next(Message& message) noexcept {
     const auto datagram = rest_[0];
     if (datagram.empty()) return Fail(Result::kTooShort);
     if (datagram.size() > kMaxDatagramSize) return Fail(Result::kTooLong);
-    const Step step = TakeElement(datagram, message);
+    const Step step = EnterElement(datagram, message);
     if (step != Step::kEnd) return step;
   }
   while (depth_ > 0) {
@@ -152,7 +153,7 @@ Reader::Step Reader::Next(Message& message) noexcept {
     const auto element = rest.subspan(4, size);
     if (size % 4 != 0) return Fail(Result::kBadSize);
     rest = rest.subspan(4 + size);
-    const Step step = TakeElement(element, message);
+    const Step step = EnterElement(element, message);
     if (step != Step::kEnd) return step;
   }
   return Step::kEnd;
@@ -166,7 +167,7 @@ Result Check(std::span<const std::byte> datagram) noexcept {
   return reader.result();
 }
 
-bool Arguments::Take(char type, std::uint32_t& word) noexcept {
+bool Arguments::ReadWord(char type, std::uint32_t& word) noexcept {
   if (types_.empty() || types_.front() != type) return false;
   word = Word(bytes_);
   bytes_ = bytes_.subspan(4);
@@ -176,14 +177,14 @@ bool Arguments::Take(char type, std::uint32_t& word) noexcept {
 
 bool Arguments::Int(std::int32_t& value) noexcept {
   std::uint32_t word = 0;
-  if (!Take('i', word)) return false;
+  if (!ReadWord('i', word)) return false;
   value = static_cast<std::int32_t>(word);
   return true;
 }
 
 bool Arguments::Float(float& value) noexcept {
   std::uint32_t word = 0;
-  if (!Take('f', word)) return false;
+  if (!ReadWord('f', word)) return false;
   value = std::bit_cast<float>(word);
   return true;
 }
@@ -191,7 +192,7 @@ bool Arguments::Float(float& value) noexcept {
 bool Arguments::Text(std::string_view& value) noexcept {
   if (types_.empty() || types_.front() != 's') return false;
   types_.remove_prefix(1);
-  return TakeText(bytes_, value);
+  return ReadText(bytes_, value);
 }
 
 std::byte* Writer::Grow(std::size_t size) noexcept {

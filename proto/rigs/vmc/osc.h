@@ -57,7 +57,7 @@ class Reader {
   Result result() const noexcept { return result_; }
 
  private:
-  Step TakeElement(std::span<const std::byte> element, Message& message) noexcept;
+  Step EnterElement(std::span<const std::byte> element, Message& message) noexcept;
   Step Fail(Result why) noexcept;
 
   Result result_ = Result::kOk;
@@ -83,15 +83,15 @@ class Arguments {
   bool AtEnd() const noexcept { return types_.empty(); }
 
  private:
-  bool Take(char type, std::uint32_t& word) noexcept;
+  bool ReadWord(char type, std::uint32_t& word) noexcept;
 
   std::string_view types_;
   std::span<const std::byte> bytes_;
 };
 
-// Writes one datagram to the front of `out`: a message, or bundles of them. If something does not
-// fit, or more than kMaxDepth bundles are nested, ok() becomes false for good and the content of
-// `out` is invalid.
+// Writes one datagram to the front of `out`: a message, or bundles of them. If a part does not fit,
+// or more than kMaxDepth bundles are nested, ok() becomes false for good and the content of `out`
+// is invalid.
 class Writer {
  public:
   explicit Writer(std::span<std::byte> out) noexcept : out_(out) {}

@@ -1,5 +1,7 @@
 #include "proto/rigs/vmc/vmc.h"
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::vmc {
 namespace {
 
@@ -49,9 +51,7 @@ void PutPlace(const Transform& transform, osc::Writer& writer) noexcept {
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(DecodeResult::kCount)> kNames{
-      "ok", "unknown_address", "too_few_arguments", "wrong_type"};
-  return result < DecodeResult::kCount ? kNames[static_cast<std::size_t>(result)] : "unknown";
+  return rigs::ResultName(result, {"ok", "unknown_address", "too_few_arguments", "wrong_type"});
 }
 
 DecodeResult Decode(const osc::Message& bytes, Message& message) noexcept {

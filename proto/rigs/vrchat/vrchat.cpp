@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "proto/rigs/result_name.h"
+
 namespace styled::vrchat {
 namespace {
 
@@ -24,7 +26,7 @@ constexpr std::array<std::string_view, 3> kSystemAddresses{"/tracking/vrsystem/h
                                                            "/tracking/vrsystem/leftwrist/pose",
                                                            "/tracking/vrsystem/rightwrist/pose"};
 
-DecodeResult TakeFloats(osc::Arguments& arguments, std::span<float> values) noexcept {
+DecodeResult ReadFloats(osc::Arguments& arguments, std::span<float> values) noexcept {
   for (float& value : values) {
     if (arguments.Float(value)) continue;
     return arguments.AtEnd() ? DecodeResult::kTooFewArguments : DecodeResult::kWrongType;
@@ -35,9 +37,7 @@ DecodeResult TakeFloats(osc::Arguments& arguments, std::span<float> values) noex
 }  // namespace
 
 std::string_view Name(DecodeResult result) noexcept {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(DecodeResult::kCount)> kNames{
-      "ok", "unknown_address", "too_few_arguments", "wrong_type"};
-  return result < DecodeResult::kCount ? kNames[static_cast<std::size_t>(result)] : "unknown";
+  return rigs::ResultName(result, {"ok", "unknown_address", "too_few_arguments", "wrong_type"});
 }
 
 DecodeResult Decode(const osc::Message& bytes, Message& message) noexcept {
@@ -46,7 +46,7 @@ DecodeResult Decode(const osc::Message& bytes, Message& message) noexcept {
   if (tracker != kTrackerAddresses.end()) {
     const auto at = static_cast<int>(tracker - kTrackerAddresses.begin());
     Tracker read{at / 2, at % 2 == 1, {}};
-    const DecodeResult result = TakeFloats(arguments, read.values);
+    const DecodeResult result = ReadFloats(arguments, read.values);
     if (result == DecodeResult::kOk) message = read;
     return result;
   }
@@ -54,8 +54,8 @@ DecodeResult Decode(const osc::Message& bytes, Message& message) noexcept {
   if (system == kSystemAddresses.end()) return DecodeResult::kUnknownAddress;
   SystemPose read;
   read.device = static_cast<System>(system - kSystemAddresses.begin());
-  DecodeResult result = TakeFloats(arguments, read.position);
-  if (result == DecodeResult::kOk) result = TakeFloats(arguments, read.euler);
+  DecodeResult result = ReadFloats(arguments, read.position);
+  if (result == DecodeResult::kOk) result = ReadFloats(arguments, read.euler);
   if (result == DecodeResult::kOk) message = read;
   return result;
 }

@@ -8,7 +8,7 @@
 #include "model/base/realtime.h"
 #include "proto/rigs/vmc/osc.h"
 
-// The OSC messages with which VRChat takes trackers, and with which it sends its own devices
+// The OSC messages in which VRChat receives trackers, and in which it sends its own devices
 // (VRChat's documentation, "OSC Trackers"; vrchat-community/vrc-oscquery-lib, MIT). Unity's space:
 // left-handed, +Y up, +Z ahead, metres; values as received, possibly not finite. Pure functions;
 // any thread; no allocation. Pinned by tests/unit/vrchat/vrchat_test.cpp, fuzzed by

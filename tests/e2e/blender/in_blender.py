@@ -463,7 +463,7 @@ class AddonTest(unittest.TestCase):
         self.assertNotIn('ERROR', text)
         self.daemon.stop()
         self.tick_until(lambda: not live.reached, 'the loss')
-        self.assertIn('nobody publishes at ipc://', self.drawn())
+        self.assertIn('no daemon publishes at ipc://', self.drawn())
 
     def test_what_is_wrong_is_said(self):
         self.chosen.publisher = 'nonsense'

@@ -37,7 +37,7 @@ class ClientKeysTest : public testing::Test {
     performing_.join();
   }
 
-  // Returns the exit code; `said_` holds the output.
+  // Returns the exit code; `output_` holds the output.
   int Run(std::vector<std::string> command, bool with_keys) {
     if (with_keys) {
       for (const std::string& word : {std::string("--key"), folder_ / "own.key",
@@ -49,7 +49,7 @@ class ClientKeysTest : public testing::Test {
     const std::string log = folder_ / ("log" + std::to_string(runs_++) + ".txt");
     Child child(command, log);
     const int code = child.Wait(60).value_or(-1);
-    said_ = ReadText(log);
+    output_ = ReadText(log);
     return code;
   }
   // The address to connect to if the daemon binds every interface.
@@ -73,7 +73,7 @@ class ClientKeysTest : public testing::Test {
   Rig rig_{"sim"};
   std::atomic<bool> over_{false};
   std::thread performing_;
-  std::string said_;
+  std::string output_;
   int runs_ = 0;
 };
 
@@ -86,11 +86,11 @@ TEST_F(ClientKeysTest, StylerecRecordsAndPlaysWithThem) {
   std::string file;
   for (int attempt = 0; attempt < 10 && !HasFrames(file); ++attempt) {
     file = folder_ / ("with" + std::to_string(attempt) + ".styrec");
-    ASSERT_EQ(record(file, true), 0) << said_;
+    ASSERT_EQ(record(file, true), 0) << output_;
   }
-  ASSERT_TRUE(HasFrames(file)) << said_;
-  ASSERT_EQ(record(folder_ / "without.styrec", false), 0) << said_;
-  EXPECT_THAT(said_, HasSubstr("messages=0 "));
+  ASSERT_TRUE(HasFrames(file)) << output_;
+  ASSERT_EQ(record(folder_ / "without.styrec", false), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("messages=0 "));
 
   Daemon other({"security.keys=" + (folder_ / "keys"), "publish.address=tcp://0.0.0.0:0",
                 "control.address=tcp://0.0.0.0:0"});
@@ -100,8 +100,8 @@ TEST_F(ClientKeysTest, StylerecRecordsAndPlaysWithThem) {
                with_keys);
   };
   ASSERT_EQ(play(false), 1);
-  EXPECT_THAT(said_, HasSubstr("no daemon answers"));
-  ASSERT_EQ(play(true), 0) << said_;
+  EXPECT_THAT(output_, HasSubstr("no daemon answers"));
+  ASSERT_EQ(play(true), 0) << output_;
 }
 
 TEST_F(ClientKeysTest, StylevmcForwardsWithThem) {
@@ -112,24 +112,24 @@ TEST_F(ClientKeysTest, StylevmcForwardsWithThem) {
   };
   int code = 3;  // nothing arrived
   for (int attempt = 0; attempt < 10 && code == 3; ++attempt) code = forward(true);
-  EXPECT_EQ(code, 0) << said_;
-  EXPECT_EQ(forward(false), 3) << said_;
-  EXPECT_THAT(said_, HasSubstr("no daemon answers at " + Here(daemon_.publish) +
-                               ": it requires keys, and none were given"));
+  EXPECT_EQ(code, 0) << output_;
+  EXPECT_EQ(forward(false), 3) << output_;
+  EXPECT_THAT(output_, HasSubstr("no daemon answers at " + Here(daemon_.publish) +
+                                 ": it requires keys, and none were given"));
 }
 
 TEST_F(ClientKeysTest, HalfOfThemIsRefusedWithAReason) {
   EXPECT_EQ(Run({STYLEVMC_BINARY, "--to", "127.0.0.1:9", "--key", folder_ / "own.key"}, false), 2);
-  EXPECT_THAT(said_, HasSubstr("expected --server-key"));
+  EXPECT_THAT(output_, HasSubstr("expected --server-key"));
   EXPECT_EQ(
       Run({STYLEREC_BINARY, "record", "--server-key", daemon_.server_key, folder_ / "a"}, false),
       1);
-  EXPECT_THAT(said_, HasSubstr("expected --key FILE"));
+  EXPECT_THAT(output_, HasSubstr("expected --key FILE"));
   EXPECT_EQ(Run({STYLEREC_BINARY, "record", "--key", folder_ / "none", "--server-key",
                  daemon_.server_key, folder_ / "b"},
                 false),
             1);
-  EXPECT_THAT(said_, HasSubstr("none"));
+  EXPECT_THAT(output_, HasSubstr("none"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A broker that dies, or that stands still, harms no subscriber of the daemon, and what comes
-// afterwards is new.
+// A broker that dies or hangs harms no subscriber of the daemon, and the frames that arrive
+// afterwards are new.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>

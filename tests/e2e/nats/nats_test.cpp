@@ -1,4 +1,4 @@
-// stylenats with a daemon, the shipped leaf server and the shipped hub: what arrives.
+// Delivery by stylenats with a daemon, the shipped leaf server and the shipped hub.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -51,7 +51,7 @@ TEST_F(NatsTest, FramesArriveByteForByteAndInOrder) {
       ASSERT_GT(message.sequence, last) << "in order, none twice";
       last = message.sequence;
       const auto frame = frames.find(message.sequence);
-      if (frame == frames.end()) continue;  // the newest may not have come here yet
+      if (frame == frames.end()) continue;  // the newest may not have arrived yet
       ASSERT_EQ(message.payload, frame->second) << "the daemon's bytes";
       v1::Frame parsed;
       ASSERT_TRUE(parsed.ParseFromString(message.payload));
@@ -62,7 +62,7 @@ TEST_F(NatsTest, FramesArriveByteForByteAndInOrder) {
     EXPECT_GE(compared + 5, heard.size()) << stream.subject;
     EXPECT_GE(compared, 50U) << stream.subject;
   }
-  // A quarter of what came on the canonical stream, give or take what was replaced.
+  // A quarter of the frames of the canonical stream, give or take the replaced ones.
   const double share =
       static_cast<double>(viewer.Size(kAudience)) / static_cast<double>(viewer.Size(kCanonical));
   EXPECT_NEAR(share, 0.25, 0.05);

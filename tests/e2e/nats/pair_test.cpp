@@ -1,5 +1,5 @@
-// Two daemons that stand in for each other, each with a stylenats, are one site: commands have one
-// answer, and frames go on in the same numbers when the leader is killed.
+// The two daemons of a pair, each with a stylenats, are one site: commands have one answer, and
+// frames continue in the same numbers when the leader is killed.
 #include <gtest/gtest.h>
 #include <signal.h>
 

@@ -34,7 +34,7 @@ bool SendAll(int fd, std::string_view bytes) {
   return true;
 }
 
-// Reads until `done` says so.
+// Reads until `done` returns true.
 template <typename Done>
 bool ReceiveUntil(int fd, std::string& bytes, const Done& done) {
   std::array<char, 4096> buffer;
@@ -74,7 +74,7 @@ std::optional<std::uint64_t> Varint(std::string_view& bytes) {
   return std::nullopt;
 }
 
-// Of a Frame, the fields that are wanted here: they are among the first, in order of their numbers.
+// The fields of a Frame that are needed here: they are among the first, in order of their numbers.
 struct Stamp {
   std::string_view performer;
   std::uint64_t sequence = 0, published_ns = 0;
@@ -337,7 +337,7 @@ void RawSubscribers::Begin() {
   storing_ = true;
 }
 
-RawResult RawSubscribers::Take(double drain_s) {
+RawResult RawSubscribers::Collect(double drain_s) {
   const std::int64_t end = Monotonic_ns();
   std::this_thread::sleep_for(std::chrono::duration<double>(drain_s));
   const std::scoped_lock lock(mutex_);

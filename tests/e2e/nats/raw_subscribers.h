@@ -23,7 +23,7 @@ struct RawOptions {
   bool stopped = false;  // they read nothing and answer nothing, with the smallest SO_RCVBUF
 };
 
-// What came of the frames that were published in a span of time.
+// The delivery of the frames that were published in a span of time.
 struct RawResult {
   std::uint64_t delivered = 0;
   std::uint64_t lost = 0;              // of the frames of the span, for each subscriber
@@ -53,7 +53,7 @@ class RawSubscribers {
   // Frames published from now on are stored until Take.
   void Begin();
   // Waits `drain_s` for frames on their way, and returns those published until the call.
-  RawResult Take(double drain_s = 1);
+  RawResult Collect(double drain_s = 1);
 
  private:
   struct Socket;

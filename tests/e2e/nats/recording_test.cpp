@@ -1,4 +1,4 @@
-// What the shipped recording server keeps of the sites, and how stylerec reads it.
+// The shipped recording server records the sites, and stylerec reads its recordings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -26,7 +26,7 @@ struct Outcome {
 };
 
 // By topic, then epoch and sequence, the bytes of frames; and the bodies.
-struct Taken {
+struct Recorded {
   std::map<std::string, std::map<std::pair<std::uint64_t, std::uint64_t>, std::string>> frames;
   std::map<std::string, std::vector<std::int64_t>> times_ns;  // of the frames, by topic
   std::set<std::string> bodies, topics;
@@ -35,8 +35,8 @@ struct Taken {
   std::int64_t first_ns = 0, last_ns = 0;
 };
 
-Taken Take(const std::string& file) {
-  Taken taken;
+Recorded Read(const std::string& file) {
+  Recorded taken;
   auto reader = recording::Reader::Open(file);
   if (!reader.ok()) {
     ADD_FAILURE() << reader.status().message();
@@ -150,7 +150,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
   const Outcome fetched = Stylerec("viewer", {"fetch", "--site", "hall", file});
   ASSERT_EQ(fetched.code, 0) << fetched.err << servers_.Log();
   std::cout << fetched.out;
-  const Taken original = Take(beside), taken = Take(file);
+  const Recorded original = Read(beside), taken = Read(file);
   EXPECT_THAT(taken.topics,
               testing::UnorderedElementsAre("body/rig.a/", "body/rig.b/", "styled/rig.a/rig/",
                                             "styled/rig.b/rig/", "styled/rig.a/canonical/",
@@ -174,12 +174,12 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
   EXPECT_THAT(fetched.out, HasSubstr("frames=" + std::to_string(compared) + " "));
   EXPECT_THAT(fetched.out, HasSubstr(" missed=" + std::to_string(taken.missed) + " restarts=0 "));
 
-  // The other site, and nobody else; a performer's motion comes out of it.
+  // The other site only; a performer's motion comes out of it.
   const std::string studio_file = folder_ / "studio.styrec", bvh = folder_ / "c.bvh";
   const Outcome second = Stylerec("operator", {"fetch", "--site", "studio", studio_file});
   ASSERT_EQ(second.code, 0) << second.err;
   EXPECT_THAT(
-      Take(studio_file).topics,
+      Read(studio_file).topics,
       testing::UnorderedElementsAre("body/rig.c/", "styled/rig.c/rig/", "styled/rig.c/canonical/"));
   std::ostringstream out, err;
   EXPECT_EQ(rec::Run({"export", studio_file, "--performer", "rig.c", "--out", bvh},
@@ -196,7 +196,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
       Stylerec("viewer", {"fetch", "--site", "hall", "--performer", "rig.b", "--from",
                           rec::TimeText(from_ns), "--to", rec::TimeText(middle_ns), part});
   ASSERT_EQ(span.code, 0) << span.err;
-  const Taken some = Take(part);
+  const Recorded some = Read(part);
   EXPECT_EQ(some.without_body, 0U);
   EXPECT_THAT(some.topics, testing::UnorderedElementsAre("body/rig.b/", "styled/rig.b/rig/",
                                                          "styled/rig.b/canonical/"));
@@ -241,7 +241,7 @@ TEST_F(NatsRecordingTest, TheOldestGoFirstByBytesAndByAge) {
   Publish(bridge, 1, 3000, 1000);
   const std::string file = folder_ / "tail.styrec";
   ASSERT_TRUE(WaitUntil([&] { return Recorded() > 1500; }, 10));
-  Sleep(0.5);  // until the last have come
+  Sleep(0.5);  // until the last have arrived
   ASSERT_EQ(Stylerec("viewer", {"fetch", "--site", "hall", file}).code, 0);
   auto reader = recording::Reader::Open(file);
   ASSERT_TRUE(reader.ok());

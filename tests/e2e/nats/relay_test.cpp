@@ -95,8 +95,8 @@ TEST_F(JoinTest, WhoComesLateHasTheBodyAtOnceAndWhatNobodyReadsDoesNotCome) {
   const Subscriber late(publish_, {"body/rig.a/", kCanonicalTopic});
   ASSERT_TRUE(late.WaitForBody(0.9)) << "before the next second's repetition";
   EXPECT_TRUE(late.WaitForFrames(20, kCanonicalTopic)) << Log();
-  // Who subscribes to a topic that another has already does not wait for the repetition, either:
-  // that would be in time for 3 of 10.
+  // A second subscriber to a topic does not wait for the repetition, either: the repetition would
+  // be in time for 3 of 10.
   int at_once = 0;
   for (int i = 0; i < 10; ++i) {
     const Subscriber second(publish_, {"body/rig.a/"});
@@ -131,7 +131,7 @@ TEST_F(JoinTest, ASiteThatNobodyServesIsToldAtOnce) {
   ASSERT_TRUE(join_->WaitForLog("connected to")) << Log();
   const v1::Reply reply = ControlClient(control_).SetStyle("rig.a", "style1");
   EXPECT_EQ(reply.code(), v1::CODE_BUSY);
-  EXPECT_THAT(reply.reason(), HasSubstr("nobody answers at styledctl.hal"));
+  EXPECT_THAT(reply.reason(), HasSubstr("no reply from styledctl.hal"));
 }
 
 TEST_F(JoinTest, AHubThatIsKilledAndStartedAgainBringsFramesAndBodiesBack) {

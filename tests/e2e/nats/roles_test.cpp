@@ -1,4 +1,4 @@
-// Who may do what at the shipped hub.
+// The permissions of the roles at the shipped hub.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,9 +41,9 @@ TEST_F(NatsRolesTest, AViewerSeesAndReadsButNeitherForgesNorCommands) {
   EXPECT_TRUE(other.WaitFor(1, forged));
 }
 
-// Of a request to JetStream the asker names the subject of the answer, and no permission is asked
-// for that: the answer would be a publication of the server's. So viewers have an account of their
-// own, where such a subject leads to nobody but viewers.
+// A request to JetStream names the subject of the answer, and that subject needs no permission: the
+// answer is a publication of the server's. So viewers have an account of their own, where such a
+// subject reaches only viewers.
 TEST_F(NatsRolesTest, AViewerCannotMakeTheServerPublishForHim) {
   Daemon daemon;
   const Stylenats bridge(daemon, servers_.leaf_port);
@@ -111,7 +111,7 @@ TEST_F(NatsRolesTest, WhoHasALeafServersPasswordIsABridgeAndNoMore) {
   const NatsUser operating(servers_.hub_port, "operator", "styled.>");
   ASSERT_TRUE(operating.WaitFor(10, "", 30)) << bridge.Log() << servers_.Log();
   EXPECT_FALSE(RawSubscribers({Wire::kNats, servers_.hub_port, "leaf", {"styled.>"}}).ok());
-  // His own leaf server asks nobody for a password.
+  // The viewer's own leaf server requires no password.
   TemporaryFolder folder;
   const std::string port = FreePort();
   WriteText(folder / "evil.conf", "server_name: evil\nlisten: 127.0.0.1:" + port +

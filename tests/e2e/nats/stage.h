@@ -21,7 +21,7 @@ namespace styled::support {
 
 // Whether Debian's nats-server is installed; without it the tests are skipped.
 bool HasNatsServer();
-// Finds a port on which nobody listens at this moment.
+// Finds a port that is free at this moment.
 std::string FreePort();
 
 // The shipped servers (systemd/nats) on free ports of loopback, with passwords of the test.

@@ -21,7 +21,7 @@ namespace {
 
 using RelayClock = std::chrono::steady_clock;
 
-// What waits in a direction at most: 0.1 s of 40 MB/s.
+// The most that waits in a direction: 0.1 s of 40 MB/s.
 constexpr std::size_t kMaxWaiting = std::size_t{4} << 20U;
 
 sockaddr_in OnLoopback(int port) {

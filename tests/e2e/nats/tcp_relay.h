@@ -10,9 +10,9 @@ namespace styled::support {
 // A link between two programs of this machine that can be slow, silent or closed: what connects to
 // `port` of loopback is passed on to the port `to`, and back, in order.
 //
-// While it is silent no byte passes and nobody is told, as when a cable is pulled: what was sent
-// meanwhile waits in the kernel's buffers, and comes when the link is up again, if the connection
-// still stands. While it is closed, connections break and new ones are refused.
+// While it is silent no byte passes and neither end is notified, as when a cable is pulled: bytes
+// sent meanwhile wait in the kernel's buffers and arrive when the link is up again, if the
+// connection still exists. While it is closed, connections break and new ones are refused.
 class TcpRelay {
  public:
   enum class State { kUp, kSilent, kClosed };

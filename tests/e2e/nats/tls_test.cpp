@@ -77,7 +77,7 @@ TEST_F(NatsTlsTest, FramesBodiesAndCommandsPassALeafServerAndAHubWithTls) {
   ASSERT_TRUE(read.WaitForFrames(60, kTlsTopic, 30)) << log;
   EXPECT_TRUE(read.WaitForBody()) << log;
   EXPECT_EQ(ControlClient(control_).SetStyle("rig.a", "style1").code(), v1::CODE_OK) << log;
-  // Who speaks no TLS is not let in.
+  // A client without TLS is refused.
   EXPECT_FALSE(RawSubscribers({Wire::kNats, servers_.hub_port, "viewer", {"styled.>"}}).ok());
   // libnats does, where the server asks for it, also for nats://, and believes the system's
   // authorities alone.

@@ -1,4 +1,4 @@
-// What one viewer, a link or a full disk does to the others: nothing. Counts of raw sockets.
+// One viewer, a link or a full disk has no effect on the others. Counts of raw sockets.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -46,7 +46,7 @@ class NatsTroubleTest : public testing::Test {
   std::string Log() const { return bridge_->Log() + servers_.Log(); }
   // All that the daemon published came to each of its subscribers.
   void ExpectNothingHappenedHere() {
-    const RawResult here = local_->Take(0.5);
+    const RawResult here = local_->Collect(0.5);
     EXPECT_GT(here.delivered, 100U);
     EXPECT_EQ(here.lost, 0U);
     EXPECT_EQ(here.doubled, 0U);
@@ -54,7 +54,7 @@ class NatsTroubleTest : public testing::Test {
   }
   // All that stylenats sent came to each of the viewers.
   void ExpectNothingHappenedToViewers() {
-    const RawResult there = viewers_->Take();
+    const RawResult there = viewers_->Collect();
     EXPECT_GT(there.delivered, 100U * kViewers);
     EXPECT_EQ(there.doubled, 0U);
     EXPECT_EQ(there.delivered % kViewers, 0U) << "the same for each";
@@ -76,7 +76,7 @@ TEST_F(NatsTroubleTest, AViewerThatStandsStillIsCutAndCountedAndNobodyElseLosesA
   const RawSubscribers still(
       {Wire::kNats, servers_.hub_port, "viewer", {"styled.>"}, 1, /*stopped=*/true});
   ASSERT_TRUE(still.ok()) << still.error();
-  // Megabytes are in the kernel's buffers before anybody sees that it does not read.
+  // Megabytes fit the kernel's buffers before a viewer that does not read is noticed.
   EXPECT_TRUE(WaitUntil(
       [this] { return servers_.Log().find("Slow Consumer Detected") != std::string::npos; }, 20))
       << servers_.Log();
@@ -98,7 +98,7 @@ TEST_F(NatsTroubleTest, AfterACutLinkFramesComeAgainAndNothingOldDoes) {
   for (const auto& [state, seconds] :
        {std::pair{TcpRelay::State::kSilent, 5.0}, std::pair{TcpRelay::State::kClosed, 2.0}}) {
     const int connections = link.connections();
-    (void)viewers_->Take(0);
+    (void)viewers_->Collect(0);
     viewers_->Begin();
     Sleep(0.3);
     link.Set(state);
@@ -109,7 +109,7 @@ TEST_F(NatsTroubleTest, AfterACutLinkFramesComeAgainAndNothingOldDoes) {
     link.Set(TcpRelay::State::kUp);
     ASSERT_TRUE(WaitUntil([&] { return viewers_->frames() > cut + 200; }, 20)) << Log();
     EXPECT_GT(link.connections(), connections) << "through the relay";
-    const RawResult there = viewers_->Take();
+    const RawResult there = viewers_->Collect();
     EXPECT_EQ(there.doubled, 0U);
     EXPECT_GT(there.lost, 100U) << "those of the cut";
     // Frames of the cut would be seconds old.

@@ -21,7 +21,7 @@ std::string Cue(const std::string& name, const std::string& at, const std::strin
 
 class CuesOverARecordingTest : public RecordingsTest {
  protected:
-  // Records what arrives in a minute from a rig with timecode from 01:00:00:00.
+  // Records a minute of a rig with timecode from 01:00:00:00.
   std::string RecordAMinute() const {
     const std::string file = folder_ / "minute.styrec";
     const auto writer = recording::FileWriter::Create(file, recording::BeginningNow("test", "0"));
@@ -65,7 +65,7 @@ class CuesOverARecordingTest : public RecordingsTest {
     EXPECT_EQ(Run({"play", file, "--to", "udp://" + daemon.udp, "--speed", "max", "--control",
                    daemon.control}),
               0)
-        << said_;
+        << output_;
     EXPECT_TRUE(subscriber.WaitForFrames(kFrames, kStyled)) << daemon.Log();
     EXPECT_EQ(control.Counter("pipeline.lost"), 0U);
     Switches switches;

@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 
-#include "daemon/record/recorder.h"
+#include "daemon/log/recorder.h"
 #include "tests/e2e/recordings/fixture.h"
 
 namespace styled::support {
@@ -47,8 +47,8 @@ class DaemonRecordingTest : public RecordingsTest {
     EXPECT_EQ(Run({"play", file_, "--to", "rig=udp://" + daemon.udp, "--to",
                    "tcp=tcp://" + daemon.tcp, "--control", daemon.control, "--speed", speed}),
               0)
-        << said_;
-    EXPECT_EQ(said_.find("refused"), std::string::npos) << said_;
+        << output_;
+    EXPECT_EQ(output_.find("refused"), std::string::npos) << output_;
     EXPECT_TRUE(subscriber.WaitForFrames(expected.udp.size(), kStyled)) << daemon.Log();
     EXPECT_TRUE(subscriber.WaitForFrames(expected.tcp.size(), kStyledTcp)) << daemon.Log();
     return {Digests(subscriber.Frames(kStyled)), Digests(subscriber.Frames(kStyledTcp))};
@@ -168,7 +168,7 @@ TEST_P(RigRecordingTest, IsStyledAgainBitForBitAtItsOwnSpeedAndFlatOut) {
     ASSERT_EQ(Run({"play", file_, "--to", "suit=udp://" + daemon.listens.at(2), "--control",
                    daemon.control, "--speed", speed}),
               0)
-        << said_;
+        << output_;
     ASSERT_TRUE(
         subscriber.WaitFor([&] { return rig_frames(subscriber).size() >= expected.size(); }, 10))
         << rig_frames(subscriber).size() << " of " << expected.size() << daemon.Log();
@@ -294,7 +294,7 @@ TEST_F(DaemonRecordingTest, WithLessThanMinFreeLeftItPausesAndSaysSo) {
 TEST_F(DaemonRecordingTest, NamesAreMadeOfTheTimeAndNoFileIsTouched) {
   const auto name = [](const std::string& pattern) {
     // 2001-09-09 in every time zone.
-    return record::FileAt(pattern, 1'000'000'000).string();  // 2001-09-09, everywhere
+    return log::FileAt(pattern, 1'000'000'000).string();  // 2001-09-09, everywhere
   };
   EXPECT_EQ(name(folder_ / "take-%Y-%m.styrec"), folder_ / "take-2001-09.styrec");
   EXPECT_TRUE(name(folder_ / "new/").starts_with(folder_ / "new/2001-09-09_"));

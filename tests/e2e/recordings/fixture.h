@@ -85,7 +85,7 @@ class RecordingsTest : public testing::Test {
   int Run(const std::vector<std::string>& arguments) {
     const std::string log = "log" + std::to_string(runs_++) + ".txt";
     const int code = Start(arguments, log)->Wait(60).value_or(-1);
-    said_ = ReadText(folder_ / log);
+    output_ = ReadText(folder_ / log);
     return code;
   }
   void Simulate(const std::string& to, const std::string& faults,
@@ -125,7 +125,7 @@ class RecordingsTest : public testing::Test {
       if (flat_out) arguments.emplace_back(more);
     }
     if (flat_out) arguments.push_back(daemon->control);
-    EXPECT_EQ(Run(arguments), 0) << said_;
+    EXPECT_EQ(Run(arguments), 0) << output_;
     EXPECT_TRUE(subscriber.WaitForFrames(count, kStyled)) << daemon->Log();
     if (lost != nullptr) *lost = control.Counter("pipeline.lost");
     return Digests(subscriber.Frames(kStyled));
@@ -155,7 +155,7 @@ class RecordingsTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  std::string said_;
+  std::string output_;
 
  private:
   int runs_ = 0;

@@ -55,7 +55,7 @@ class Feed {
 
 class KilledTest : public RecordingsTest {
  protected:
-  // A process that records to `file` what arrives at `address` or is published.
+  // A process that records to `file` the frames that arrive at `address` or are published.
   struct Recorder {
     std::string address, file;
     Child* child = nullptr;

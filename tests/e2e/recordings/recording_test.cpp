@@ -199,14 +199,14 @@ TEST_F(RecordingsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
                                              {"record", "--performer", "nobody", "x.styrec"},
                                              {"receive", "x.styrec"}}) {
     EXPECT_EQ(Run(wrong), 2) << testing::PrintToString(wrong);
-    EXPECT_NE(said_, "");
+    EXPECT_NE(output_, "");
   }
   const std::string file = folder_ / "text.styrec";
   WriteText(file, "no recording at all");
   EXPECT_EQ(Run({"info", file}), 1);
-  EXPECT_NE(said_.find(file + ": offset 0: found 6E 6F"), std::string::npos) << said_;
+  EXPECT_NE(output_.find(file + ": offset 0: found 6E 6F"), std::string::npos) << output_;
   EXPECT_EQ(Run({"record", file}), 1);
-  EXPECT_NE(said_.find("exists already"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("exists already"), std::string::npos) << output_;
   EXPECT_EQ(ReadText(file), "no recording at all");
 }
 

@@ -85,7 +85,7 @@ class ReplayTest : public RecordingsTest {
     arguments.insert(arguments.begin(), {"/bin/sh", "-c", R"(exec "$0" "$@" >&2)", Binary()});
     Child styled(arguments, log);
     const int code = styled.Wait(60).value_or(-1);
-    said_ = ReadText(log);
+    output_ = ReadText(log);
     return code;
   }
 
@@ -122,7 +122,7 @@ TEST_F(ReplayTest, AStyleOfAnExampleComesOutAsItDid) {
   ASSERT_EQ(Styled({"--replay", take_, "--replay-to", folder_ / "again.styrec", "--weights",
                     weights_, "--set", "style.initial=style2"}),
             0)
-      << said_;
+      << output_;
   const Streams again = Read(folder_ / "again.styrec");
   const std::string stream = "suit.sim rig";
   ASSERT_TRUE(again.contains(stream) && live.contains(stream)) << again.begin()->first;
@@ -137,9 +137,9 @@ TEST_F(ReplayTest, SeveralRigsComeOutAsTheyDidAndTheSameAtEveryRun) {
     ASSERT_EQ(Styled({"--replay", take_, "--replay-to", folder_ / name, "--weights", weights_,
                       "--set", "style.initial=style2"}),
               0)
-        << said_;
-    EXPECT_NE(said_.find(" pipeline.frames="), std::string::npos) << said_;
-    EXPECT_EQ(said_.find("other weights"), std::string::npos) << said_;
+        << output_;
+    EXPECT_NE(output_.find(" pipeline.frames="), std::string::npos) << output_;
+    EXPECT_EQ(output_.find("other weights"), std::string::npos) << output_;
   }
   const auto one = ReadAll(folder_ / "one.styrec"), two = ReadAll(folder_ / "two.styrec");
   ASSERT_GT(one.size(), 1000U);
@@ -211,7 +211,7 @@ TEST_F(ReplayTest, FingersOfGlovesComeOutAsTheyDid) {
   ASSERT_EQ(
       Styled({"--replay", take_, "--replay-to", folder_ / "again.styrec", "--weights", weights_}),
       0)
-      << said_;
+      << output_;
   const Streams again = Read(folder_ / "again.styrec");
   ASSERT_TRUE(again.contains("rig.a canonical"));
   ExpectSame(Digests(again.at("rig.a canonical")), Digests(live), topic);
@@ -240,32 +240,32 @@ TEST_F(ReplayTest, SaysWhatIsWrong) {
   }
   const std::string out = folder_ / "out.styrec";
   EXPECT_EQ(Styled({"--replay", take_}), 2);
-  EXPECT_NE(said_.find("--replay-to"), std::string::npos) << said_;
+  EXPECT_NE(output_.find("--replay-to"), std::string::npos) << output_;
   EXPECT_EQ(Styled({"--replay", folder_ / "none.styrec", "--replay-to", out}), 2);
-  EXPECT_NE(said_.find(folder_ / "none.styrec"), std::string::npos) << said_;
+  EXPECT_NE(output_.find(folder_ / "none.styrec"), std::string::npos) << output_;
   const std::string published = RecordPublished("", "1");
   WriteText(folder_ / "one.toml",
             "[[source]]\nname = \"rig\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n");
   EXPECT_EQ(Styled({"--replay", published, "--replay-to", out, "--config", folder_ / "one.toml",
                     "--weights", weights_}),
             1);
-  EXPECT_NE(said_.find(published + ": found nothing that arrived from a rig"), std::string::npos)
-      << said_;
+  EXPECT_NE(output_.find(published + ": found nothing that arrived from a rig"), std::string::npos)
+      << output_;
   WriteText(folder_ / "other.toml",
             "[[source]]\nname = \"other\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n");
   EXPECT_EQ(Styled({"--replay", take_, "--replay-to", out, "--config", folder_ / "other.toml",
                     "--weights", weights_}),
             1);
-  EXPECT_NE(said_.find("source rig (udp), which is not in the configuration"), std::string::npos)
-      << said_;
+  EXPECT_NE(output_.find("source rig (udp), which is not in the configuration"), std::string::npos)
+      << output_;
   EXPECT_EQ(Styled({"--replay", take_, "--replay-to", take_, "--weights", weights_}), 1);
-  EXPECT_NE(said_.find(take_), std::string::npos) << said_;
+  EXPECT_NE(output_.find(take_), std::string::npos) << output_;
   const std::string others = folder_ / "others.safetensors";
   WriteRandomWeights(others, 5, 7);
   EXPECT_FALSE(std::filesystem::exists(out)) << "of what failed";
-  EXPECT_EQ(Styled({"--replay", take_, "--replay-to", out, "--weights", others}), 0) << said_;
-  EXPECT_NE(said_.find("recorded with other weights: weights.safetensors"), std::string::npos)
-      << said_;
+  EXPECT_EQ(Styled({"--replay", take_, "--replay-to", out, "--weights", others}), 0) << output_;
+  EXPECT_NE(output_.find("recorded with other weights: weights.safetensors"), std::string::npos)
+      << output_;
 }
 
 }  // namespace

@@ -58,9 +58,9 @@ TEST(ServiceTest, AReloadIsBetweenReloadingAndReadyWhateverComesOfIt) {
   clock_gettime(CLOCK_MONOTONIC, &now);
   const auto at = reloading->find("MONOTONIC_USEC=");
   ASSERT_NE(at, std::string::npos);
-  const long long said_us = std::stoll(reloading->substr(at + 15));
-  EXPECT_GT(said_us, 0);
-  EXPECT_LE(said_us, now.tv_sec * 1'000'000LL + now.tv_nsec / 1000);
+  const long long stated_us = std::stoll(reloading->substr(at + 15));
+  EXPECT_GT(stated_us, 0);
+  EXPECT_LE(stated_us, now.tv_sec * 1'000'000LL + now.tv_nsec / 1000);
   EXPECT_EQ(service.manager.Await("READY=1"), "READY=1\nSTATUS=reloaded");
 
   service.daemon.Configure("[presets]\nmild = { nostyle = 0.3 }\n");

@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "clients/cpp/stylectl/cli.h"
+#include "clients/stylectl/cli.h"
 #include "proto/styled/v1/journal.pb.h"
 #include "tests/e2e/examples.h"
 #include "tests/support/daemon.h"

@@ -18,8 +18,8 @@
 #include <sstream>
 #include <thread>
 
-#include "clients/cpp/stylectl/cli.h"
 #include "clients/cpp/subscriber.h"
+#include "clients/stylectl/cli.h"
 #include "proto/keys/key_folder.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"

@@ -152,7 +152,7 @@ Worst PlayThrough(float strength) {
                   folder / "stderr.txt");
   Sender sender(daemon.listens.at(2));
   Worst worst;
-  // Until the way is open; the pose then begins anew.
+  // Until the connection works; the pose then restarts.
   for (int i = 0; i < 2400 && receiver.frames.size() < 10; ++i) {
     sender.Send(i);
     receiver.Receive();

@@ -69,9 +69,9 @@ async function like(name, bytes = clip) {
 test('nobody is there: no take can be made, a clip can', async () => {
   const learn = page.locator('[data-example=learn]');
   assert.ok(await learn.isDisabled());
-  assert.match(await learn.getAttribute('title'), /Nobody is here/);
+  assert.match(await learn.getAttribute('title'), /No performer is present/);
   await like('early');
-  assert.match(await result(), /Nobody wears it yet\./);
+  assert.match(await result(), /No performer wears it yet\./);
   await card('early').waitFor();
   await page.keyboard.press('l');
   assert.ok(!(await form().isVisible()));
@@ -278,7 +278,7 @@ test('what was made is renamed, exported, removed, brought back, and imported', 
   const saved = readFileSync(await download.path());
   assert.equal(JSON.parse(saved).name, 'admiral');
   await menu('admiral', 'remove');
-  await said(/^admiral is removed; Undo brings it back$/, toast);
+  await said(/^admiral is removed; Undo restores it$/, toast);
   await wears();
   assert.ok(!readdirSync(file('library')).includes('admiral.json'));
   await page.keyboard.press('Control+z');

@@ -1,5 +1,5 @@
-// The page in a real browser, in front of a fake daemon, which says what the real one says seldom: someone else
-// changes a look at the same time, layers, props, a source that is silent.
+// The page in a real browser, in front of a fake daemon, which reports the rare cases: a look that another
+// client changes at the same time, layers, props, a silent source.
 //   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test fake.test.mjs
 // SCREENSHOTS: a folder for screenshots. PATIENCE: factor of all waits.
 import assert from 'node:assert/strict';
@@ -84,13 +84,13 @@ test('who was changed by someone else meanwhile is left so, and that is said; ot
   await until(() => offered().isVisible(), 'the offer');
   daemon.set('rig.ben', { mix: [{ style: 'active', weight: 1 }] });
   await offered().click();
-  await said(/^undo of panic: rig\.ben was changed by someone else since, and left so/);
+  await said(/^undo of panic: rig\.ben was changed by another user since, and not undone/);
   assert.deepEqual(looks()['rig.anna'], before['rig.anna']);
   assert.equal(looks()['rig.ben'].mix, 'active 1');
 });
 
 test('a change of someone else just before ours is part of what comes back', async () => {
-  daemon.set('rig.anna', { mix: [{ style: 'youthful', weight: 0.5 }] }); // no statistics tell of it
+  daemon.set('rig.anna', { mix: [{ style: 'youthful', weight: 0.5 }] }); // no statistics report it
   await click('[data-style=angry]');
   await until(() => offered().isVisible(), 'the offer');
   await page.keyboard.press('Control+z');
@@ -102,7 +102,7 @@ test('a slider that is dragged is one step, and may be changed again by us', asy
   const { strength } = looks()['rig.anna'];
   for (const value of ['0.9', '1.1', '1.3']) await knob.fill(value);
   await until(() => looks()['rig.anna'].strength === Math.fround(1.3), 'the strength');
-  await page.waitForTimeout(600); // the page has learned what came of it
+  await page.waitForTimeout(600); // the page has learned its result
   await page.keyboard.press('Control+z');
   await until(() => looks()['rig.anna'].strength === strength, 'the strength before');
 });
@@ -115,7 +115,7 @@ test('strength 0 is said beside the styles, and one click sets it to 1', async (
   assert.ok(!(await words.isVisible()), 'no style is set');
   await click('[data-style=angry]');
   await until(() => words.isVisible(), 'the words');
-  assert.match(await words.innerText(), /^Strength is 0: no style is to be seen\./);
+  assert.match(await words.innerText(), /^Strength is 0: no style is visible\./);
   assert.equal(looks()['rig.anna'].strength, 0, 'it is not changed behind the back of the user');
   for (const [width, height] of [[1280, 720], [390, 844]]) {
     await page.setViewportSize({ width, height });
@@ -230,7 +230,7 @@ const description = (bytes) => JSON.parse(bytes.subarray(20, 20 + bytes.readUInt
 
 test('a take is saved as VRMA, and as glTF of the avatar that is worn', async () => {
   daemon.fields = () => ({ expressions: [{ name: 'Joy', value: 0.5 }, { name: 'jawOpen', value: 0.25 }] });
-  const list = page.getByLabel('What is saved');
+  const list = page.getByLabel('Formats to save');
   assert.equal(await list.locator('option[value=avatar]').isDisabled(), true, 'nobody wears an avatar');
   await drop(page, ['boxes.vrm', makeAvatar(undefined, { details: true })]);
   await until(() => page.evaluate(() => globalThis.styled.stage.performers.get('rig.anna').avatar?.ready), 'the avatar');
@@ -307,7 +307,7 @@ test('the names of styles are seen whole, whatever the window, with and without 
 test('a video has the props that were there when it was taken', async () => {
   daemon.fields = () => ({ props: [{ name: 'sword', position: [0.5, 1.25, 0.75], rotation: [0, 0, 0, 1] }] });
   await until(async () => (await placeOf('sword')) !== undefined, 'the sword');
-  await page.getByLabel('What is saved').selectOption('video');
+  await page.getByLabel('Formats to save').selectOption('video');
   await click('button.record');
   await until(() => page.evaluate(() => globalThis.styled.recorder.frames > 15), 'frames');
   await click('button.record');
@@ -324,7 +324,7 @@ test('a video has the props that were there when it was taken', async () => {
   assert.ok(filmed.length > 2, 'it was looked at');
   // The first look may come before the first picture.
   for (const places of filmed.slice(1)) assert.deepEqual(places, [[0.5, 1.25, 0.75], [0.5, 1.25, 0.75]]);
-  await page.getByLabel('What is saved').selectOption('styled');
+  await page.getByLabel('Formats to save').selectOption('styled');
 });
 
 test('plots are grey and say that no data come, while the daemon is away or says nothing', async () => {

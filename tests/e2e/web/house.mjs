@@ -1,4 +1,4 @@
-// What the tests of the page share: daemon, gateway, simulator and browser, in a folder of their own.
+// Shared by the tests of the page: daemon, gateway, simulator and browser, in a folder of their own.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import os from 'node:os';

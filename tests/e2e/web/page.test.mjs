@@ -135,16 +135,16 @@ test('mix pad, body parts, preset and keys reach the daemon', async () => {
 test('a VRM avatar is worn and moves; a file that is none is said so', async () => {
   await drop(page, ['broken.vrm', Buffer.from('no avatar')]);
   const said = (words) => until(async () => words.test(await page.locator('.toast').innerText()), words);
-  await said(/^broken\.vrm is no VRM file: .*; expected a VRM 0\.x or 1\.0 avatar/);
+  await said(/^broken\.vrm is not a VRM file: .*; expected a VRM 0\.x or 1\.0 avatar/);
   const whole = makeAvatar();
   await drop(page, ['half.vrm', whole.subarray(0, whole.length / 2)]);
-  await said(/^half\.vrm is not whole: it has \d+ of \d+ bytes; expected/);
+  await said(/^half\.vrm is not complete: it has \d+ of \d+ bytes; expected/);
   // The length is correct, but a box refers to more vertices than the file contains.
   await drop(page, ['torn.vrm', Buffer.from(whole.toString('latin1').replace('"count":8,', '"count":9,'), 'latin1')]);
   await said(/^torn\.vrm .*; expected a VRM .*\(.+\)$/);
   await drop(page, ['torn picture.vrm', makeAvatar(Buffer.from('no picture'))]);
   await said(/wears torn picture\.vrm; one of its textures could not be loaded/);
-  await page.getByTitle('Take it off').click();
+  await page.getByTitle('Remove it').click();
   await drop(page, ['boxes.vrm', whole]);
   const hand = () =>
     page.evaluate(() => {
@@ -159,12 +159,12 @@ test('a VRM avatar is worn and moves; a file that is none is said so', async () 
   assert.ok(first.place[1] > 0.2 && first.place[1] < 1.4, `a hand at ${first.place}`);
   await until(async () => farthest((await hand()).place, first.place) > 0.05, 'the hand to move');
   await picture('avatar');
-  await page.getByTitle('Take it off').click();
+  await page.getByTitle('Remove it').click();
   await until(async () => (await hand()) === undefined, 'no avatar');
 });
 
-// Stores what arrives over the WebSocket from now on, independently of the recorder: per stream, by
-// sequence.
+// Stores the frames that arrive over the WebSocket from now on, independently of the recorder: per
+// stream, by sequence.
 const listen = () =>
   page.evaluate(() => {
     const heard = { source: [], rig: [] };
@@ -211,7 +211,7 @@ function assertHeard({ name, text }, stream, all) {
 }
 
 test('what is recorded is what came, and both files are beside each other', async () => {
-  await page.getByLabel('What is saved').selectOption('styled input');
+  await page.getByLabel('Formats to save').selectOption('styled input');
   await page.locator('[data-style=elderly]').click();
   await until(async () => (await apart()) > 0.04, 'another pose');
   await listen();
@@ -240,7 +240,7 @@ test('what is recorded is what came, and both files are beside each other', asyn
 });
 
 test('from the keyboard: R begins and ends it, once however long it is held', async () => {
-  await page.getByLabel('What is saved').selectOption('styled');
+  await page.getByLabel('Formats to save').selectOption('styled');
   await page.locator('.stage canvas').focus();
   await listen();
   await page.keyboard.down('r');
@@ -254,7 +254,7 @@ test('from the keyboard: R begins and ends it, once however long it is held', as
 });
 
 test('a list that was chosen from leaves the keys to the page; its own arrows stay its own', async () => {
-  const list = page.getByLabel('What is saved');
+  const list = page.getByLabel('Formats to save');
   const recording = () => page.evaluate(() => globalThis.styled.recorder.recording);
   const focused = () => list.evaluate((element) => document.activeElement === element);
   await list.click(); // opens it without a choice
@@ -277,11 +277,11 @@ test('a list that was chosen from leaves the keys to the page; its own arrows st
 });
 
 test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as long as the take', async () => {
-  await page.getByLabel('What is saved').selectOption('video');
+  await page.getByLabel('Formats to save').selectOption('video');
   await page.locator('button.record').click();
   await until(async () => (await recorded()) > 40, 'frames');
   await page.locator('button.record').click();
-  // What all streams cover: one of them may begin or end a few frames later.
+  // The span that all streams cover: one of them may begin or end a few frames later.
   const take_s = await page.evaluate(() => {
     const { source, styled, canonical } = globalThis.styled.recorder.take;
     const all = [source, styled, ...(canonical ? [canonical.track] : [])];
@@ -333,7 +333,7 @@ test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as l
   assert.equal(new Set(seen.looks.map(({ sum }) => sum)).size, Number(pictures), 'the body moves');
   const shown = await page.evaluate(() => globalThis.styled.stage.pictures);
   await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 3, shown), 'the stage to be live again');
-  await page.getByLabel('What is saved').selectOption('styled');
+  await page.getByLabel('Formats to save').selectOption('styled');
 });
 
 test('a daemon that dies ends the recording; what was got is saved', async () => {

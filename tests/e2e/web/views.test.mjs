@@ -28,7 +28,7 @@ before(async () => {
   page.setDefaultTimeout(60000 * patience);
   page.on('pageerror', (error) => errors.push(error.message));
   page.on('console', (message) => {
-    // A page that is left while it connects says so.
+    // A page that is left while it connects reports it.
     if (message.type() === 'error' && !/WebSocket is closed before/.test(message.text())) errors.push(message.text());
   });
   await drawSeldom(page, 1000);
@@ -103,7 +103,7 @@ test('on a phone Panic stays in sight, and everything is large enough for a fing
   assert.ok(y >= 0 && y + height <= 60, `Panic is at ${y}`);
   await takePicture(page, 'phone below');
   await page.locator('.panic').click();
-  await until(async () => /back to the bare source/.test(await page.locator('.toast').textContent()), 'panic');
+  await until(async () => /all performers are in bypass/.test(await page.locator('.toast').textContent()), 'panic');
 });
 
 test('no violation of WCAG A or AA; the help is a dialog', async () => {
@@ -146,7 +146,7 @@ test('the page links to OBS: avatar, performer, token; a phone gets a code', asy
   assert.equal(link, `${address}/?view=avatar&performer=face.mia&avatar=Mia+v2.vrm&bg=transparent#token=${TOKEN}`);
   assert.equal(await page.locator('[data-link=page]').inputValue(), `${address}/#token=${TOKEN}`);
   assert.ok((await page.locator('.qr').boundingBox()).width > 200);
-  assert.match(await page.locator('.share').innerText(), /Anyone who has one can do here whatever you can\./);
+  assert.match(await page.locator('.share').innerText(), /Anyone who has one can do everything that you can do here\./);
   assert.deepEqual(await violations('dialog[open]'), [], 'links');
   await takePicture(page, 'share');
   await page.keyboard.press('Escape');
@@ -206,7 +206,7 @@ test('without WebCodecs the stage is filmed, and its video plays to the end with
   stage.on('pageerror', (error) => errors.push(error.message));
   await stage.goto(`${address}/#token=${TOKEN}`);
   assert.ok(!(await stage.evaluate(() => 'VideoEncoder' in globalThis)), 'a page without TLS');
-  const list = stage.getByLabel('What is saved');
+  const list = stage.getByLabel('Formats to save');
   await list.selectOption('video');
   assert.equal(await list.locator('option:checked').textContent(), 'Video of the stage, as drawn');
   await until(() => stage.evaluate(() => [...globalThis.styled.stage.performers.values()][0]?.roles.after.figure !== undefined), 'a body');

@@ -1,11 +1,11 @@
-// Fuzzes RestoreCheckpoint: a checkpoint is refused with a reason, or the performer goes on with
+// Fuzzes RestoreCheckpoint: a checkpoint is refused with a reason, or the performer continues with
 // sane frames. The checksum of the state is put right first, so that its content is fuzzed, too.
 #include <google/protobuf/stubs/logging.h>
 
 #include <cstdint>
 #include <string>
 
-#include "proto/rigs/native/datagram.h"
+#include "model/base/crc32c.h"
 #include "tests/fuzz/checkpoint/stage.h"
 #include "tests/fuzz/sane_frame.h"
 
@@ -19,7 +19,7 @@ void Seal(v1::Checkpoint& checkpoint) {
   std::string state = checkpoint.state();
   if (state.size() < kSum) return;
   state.resize(state.size() - kSum);
-  const std::uint32_t crc = native::Crc32c(std::as_bytes(std::span(state)));
+  const std::uint32_t crc = Crc32c(std::as_bytes(std::span(state)));
   for (int bit = 0; bit < 32; bit += 8) state.push_back(static_cast<char>(crc >> bit & 0xffU));
   checkpoint.set_state(std::move(state));
 }

@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <string>
 
-#include "clients/cpp/doctor/capture.h"
-#include "clients/cpp/doctor/firewall.h"
-#include "clients/cpp/doctor/sniff.h"
-#include "clients/cpp/doctor/sockets.h"
+#include "clients/doctor/capture.h"
+#include "clients/doctor/firewall.h"
+#include "clients/doctor/sniff.h"
+#include "clients/doctor/sockets.h"
 
 namespace doctor = styled::doctor;
 

@@ -1,8 +1,8 @@
-// Fuzzes what a standby hears of its leader, and a leader of its standby. Whoever may write there
-// is trusted with what is shown (CURVE keys), not with the daemon's life: whatever comes,
+// Fuzzes the journal messages between a leader and its standby. A client that may write there
+// is trusted with what is shown (CURVE keys), not with the daemon's life: for any bytes,
 // - published values are finite, and rotations have unit length;
-// - three seconds later one of the two leads, and the other one follows;
-// - when the leader is killed, the other one leads within 2 s, and publishes the rig's frames.
+// - three seconds later one of the two leads, and the other follows;
+// - when the leader is killed, the other daemon leads within 2 s, and publishes the rig's frames.
 // The first byte: 1, the message gets version, sender, epoch, term, number, hearing and hold of the
 // leader's next one, so that it is not refused for them; 2, it comes to the leader; 3, both, with
 // the standby's.

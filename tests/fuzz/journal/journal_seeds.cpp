@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   mix.set_weight(1);
   (void)pair.leader().Ask(request);
   pair.Frames(5);
-  pair.Turn(1000);  // nobody sends: a silence
+  pair.Turn(1000);  // no sender: a silence
   // What this pair has no cause to say, in the words of its last sign of life.
   const auto add = [&said](const std::function<void(Journal&)>& fill) {
     Journal entry;

@@ -77,7 +77,6 @@ void CheckDialogue(MessageId id, std::span<const std::byte> payload) {
   ServerInfo info;
   Connect connect;
   Echo echo;
-  float number = 0;
   switch (id) {
     case MessageId::kServerInfo:
       if (DecodeServerInfo(payload, info) != DecodeResult::kOk) return;
@@ -90,14 +89,8 @@ void CheckDialogue(MessageId id, std::span<const std::byte> payload) {
     case MessageId::kRequest:
       Require(DecodeRequest(payload).size() <= payload.size());
       return;
-    case MessageId::kResponse:
-      Require((DecodeNumber(payload, number) == DecodeResult::kOk) == (payload.size() == 4));
-      return;
     case MessageId::kEchoRequest:
       Require((DecodeEchoRequest(payload, echo) == DecodeResult::kOk) == (payload.size() == 8));
-      return;
-    case MessageId::kEchoResponse:
-      Require((DecodeEchoResponse(payload, echo) == DecodeResult::kOk) == (payload.size() == 16));
       return;
     default:
       return;

@@ -125,7 +125,7 @@ class Stage {
     }
   }
   // The frames published since the last call.
-  std::vector<v1::Frame> Take() { return std::exchange(pipeline_.publisher.frames, {}); }
+  std::vector<v1::Frame> Drain() { return std::exchange(pipeline_.publisher.frames, {}); }
   support::FakePipeline& pipeline() { return pipeline_; }
 
  private:
@@ -142,7 +142,7 @@ const v1::Frame& Undisturbed(std::size_t index) {
   static std::vector<v1::Frame> frames;
   while (frames.size() <= index) {
     alone.Deliver({}, {});
-    for (v1::Frame& frame : alone.Take()) frames.push_back(std::move(frame));
+    for (v1::Frame& frame : alone.Drain()) frames.push_back(std::move(frame));
   }
   return frames[index];
 }
@@ -351,7 +351,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     others.Act(static_cast<Action>(script.Below(static_cast<std::size_t>(Action::kCount))), stage);
     others.Flush(stage);
     std::size_t before = victims;
-    for (const v1::Frame& frame : stage.Take()) {
+    for (const v1::Frame& frame : stage.Drain()) {
       RequireSane(frame);
       if (!IsVictims(frame)) continue;
       REQUIRE(Same(frame, Undisturbed(victims)));

@@ -1,4 +1,4 @@
-#include "clients/cpp/stylemon/canvas.h"
+#include "clients/stylemon/canvas.h"
 
 #include <gtest/gtest.h>
 

@@ -48,7 +48,7 @@ inline v1::Frame HumanoidFrame(const v1::Body& body, const body::Pose& pose, std
 }
 
 // A daemon's two sockets, speaking WIRE.md, on ports that the kernel picks; its own thread. Tests
-// say what it publishes, which bodies a new subscription gets, and what it answers.
+// define what it publishes, which bodies a new subscription gets, and what it answers.
 class FakeDaemon {
  public:
   using Handler = std::function<v1::Reply(const v1::Request&)>;
@@ -70,7 +70,7 @@ class FakeDaemon {
   const std::string& control() const { return control_; }
   int subscriptions() const { return subscriptions_; }
 
-  // Publishes `body` now and to whoever subscribes to its performer (or to all).
+  // Publishes `body` now and to each client that subscribes to its performer (or to all).
   void AddBody(const v1::Body& body) {
     const std::scoped_lock lock(mutex_);
     bodies_.push_back(body);
@@ -84,11 +84,11 @@ class FakeDaemon {
     Publish(topic, frame.SerializeAsString());
   }
 
-  // What the handler wrote before its last reply may be read after this: the reply itself orders
+  // The handler's data from before its last reply may be read after this: the reply itself orders
   // them too, but through libzmq, which a thread sanitizer cannot see.
   void Synchronize() { const std::scoped_lock lock(handling_); }
 
-  // Waits until somebody has subscribed to `topic`. False after two seconds.
+  // Waits for a subscription to `topic`. False after two seconds.
   bool WaitForSubscription(const std::string& topic) {
     for (int wait = 0; wait < 400 && !Subscribed(topic); ++wait) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));

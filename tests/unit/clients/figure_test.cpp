@@ -1,4 +1,4 @@
-#include "clients/cpp/stylemon/figure.h"
+#include "clients/stylemon/figure.h"
 
 #include <gtest/gtest.h>
 

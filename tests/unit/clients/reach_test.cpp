@@ -44,7 +44,7 @@ struct Pair {
 
 class ReachTest : public testing::Test {
  protected:
-  // Binds a socket of ZeroMQ, with CURVE where `keys` says so.
+  // Binds a socket of ZeroMQ, with CURVE if there are `keys`.
   std::string Bind(zmq::socket_type type, const Pair* keys = nullptr,
                    const std::string& address = "tcp://127.0.0.1:*") {
     socket_ = zmq::socket_t(context_, type);
@@ -216,7 +216,7 @@ TEST_F(ReachTest, PathsThatAreMissingNoSocketOrLeftBehind) {
   std::ofstream(path) << "a file";
   reach = Examine(endpoint, Peer::kControl, {}, kPatience);
   EXPECT_EQ(reach.obstacle, Obstacle::kNoSocket);
-  EXPECT_EQ(reach.text, path + " is no socket");
+  EXPECT_EQ(reach.text, path + " is not a socket");
   unlink(path.c_str());
   const int fd = socket(AF_UNIX, SOCK_STREAM, 0);  // as of a daemon that was killed
   sockaddr_un address{};

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "clients/cpp/stylectl/cli.h"
-#include "clients/cpp/stylectl/report.h"
-#include "clients/cpp/stylectl/suggest.h"
+#include "clients/stylectl/cli.h"
+#include "clients/stylectl/report.h"
+#include "clients/stylectl/suggest.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/clients/fake_daemon.h"
 
@@ -187,13 +187,13 @@ TEST_F(StylectlTest, RangesAreSaidAsTheyAreWritten) {
 TEST_F(StylectlTest, WhoIsClearedBeforeTheyComeIsForgotten) {
   EXPECT_EQ(Run({"clear", "suit.max"}), kExitOk);
   EXPECT_TRUE(
-      Complains("note: suit.max has not been seen yet; what was configured ahead is "
+      Complains("note: suit.max has not been seen yet; its advance settings are "
                 "forgotten (here: rig.anna, cam.zed)"))
       << err_.str();
   EXPECT_EQ(Run({"set", "suit.max", "--style", "old"}), kExitOk);
-  EXPECT_TRUE(Complains("note: suit.max has not been seen yet and is configured ahead"));
+  EXPECT_TRUE(Complains("note: suit.max has not been seen yet and is configured in advance"));
   EXPECT_EQ(Run({"clear", "cam.zed"}), kExitOk) << "the daemon has a place for them still";
-  EXPECT_TRUE(Complains("note: cam.zed has not been seen yet and is configured ahead"));
+  EXPECT_TRUE(Complains("note: cam.zed has not been seen yet and is configured in advance"));
 }
 
 TEST_F(StylectlTest, StatusKnowsTheSourcesThatNothingCameTo) {
@@ -438,7 +438,7 @@ TEST_F(StylectlTest, WhatIsHeldBackOfAStyleIsShown) {
   EXPECT_EQ(StatusJson(status)["performers"][0]["shown"]["left_arm"], 0.24);
   EXPECT_EQ(StatusJson(status)["performers"][0]["moved_cm"]["knees"], 2.3);
   anna.set_hardly_styled(true);
-  EXPECT_TRUE(shows("rig.anna is hardly styled now: the weights leave what they do as it is\n"));
+  EXPECT_TRUE(shows("rig.anna is hardly styled now: the weights leave their motion unchanged\n"));
   anna.set_live(false);
   EXPECT_FALSE(shows("hardly")) << "they are gone";
 }
@@ -449,11 +449,11 @@ TEST_F(StylectlTest, WhoIsAbsentAndAStyleWithoutStrengthAreTold) {
   applied.set_first_sequence(598);
   applied.set_absent(true);
   EXPECT_EQ(AppliedText({applied}, "set"),
-            "rig.an  set  when they come: nobody performs under this name\n");
+            "rig.an  set  from their first frame: no performer of this name is present\n");
   applied.set_absent(false);
   applied.set_no_strength(true);
   EXPECT_EQ(AppliedText({applied}, "set"),
-            "rig.an  set  from frame 598, not to be seen: the strength is 0\n");
+            "rig.an  set  from frame 598, not visible: the strength is 0\n");
   EXPECT_EQ(AppliedJson({applied})[0]["no_strength"], true);
 }
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "clients/cpp/stylemon/meter.h"
-#include "clients/cpp/stylemon/monitor.h"
-#include "clients/cpp/stylemon/screen.h"
+#include "clients/stylemon/meter.h"
+#include "clients/stylemon/monitor.h"
+#include "clients/stylemon/screen.h"
 #include "tests/unit/clients/fake_daemon.h"
 
 namespace styled::stylemon {

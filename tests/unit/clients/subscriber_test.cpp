@@ -406,7 +406,7 @@ TEST(SubscriberReconnect, ComesBackByItselfWhenTheDaemonDoes) {
 
   FakeDaemon second({}, endpoint);
   second.AddBody(rig);
-  // libzmq subscribes anew inside the subscriber's calls, so it has to be kept reading.
+  // libzmq subscribes again inside the subscriber's calls, so it has to be kept reading.
   for (int i = 0; i < 500 && !second.Subscribed(std::string(kRigTopic)); ++i) {
     subscriber->Receive(10ms, update);
   }

@@ -83,7 +83,7 @@ TEST(BindClipRefuses, WhatItCannotBind) {
   Clip clip = Performed("stand:60", Tangled(), 1);
   EXPECT_THAT(Refusal(clip, "klingon", "auto"), HasSubstr("found dialect klingon"));
   EXPECT_THAT(Refusal(clip, "klingon", "standing"), HasSubstr("found dialect klingon"));
-  EXPECT_THAT(Refusal(clip, "canonical", "auto"), HasSubstr("no T-pose"));
+  EXPECT_THAT(Refusal(clip, "canonical", "auto"), HasSubstr("not a T-pose"));
   EXPECT_THAT(Refusal(clip, "auto", "zero"), HasSubstr("(zero pose: "));
   EXPECT_THAT(Refusal(clip, "auto", "7"),
               HasSubstr("found no frame at 7 s, expected 0 to 0.967 s"));

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 constexpr double kTenThousandthDegree_rad = 1e-4 * 3.14159265 / 180;
 
-// A chain of three joints whose rotations wander without bound, in the given channel order.
+// A chain of three joints whose rotations drift without bound, in the given channel order.
 Clip Wandering(const std::string& order, unsigned seed, int frames = 200) {
   Random random(seed);
   Clip clip;

@@ -23,7 +23,7 @@ using rig::Quat;
 using rig::Vec3;
 using testing::HasSubstr;
 
-// Two chains in centimetres, Z up, with rest rotations, that wander.
+// Two chains in centimetres, Z up, with rest rotations, that drift.
 Motion Wandering(int frames = 20) {
   Random random(5);
   Motion motion;

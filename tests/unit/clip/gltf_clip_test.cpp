@@ -207,7 +207,7 @@ TEST(GltfClip, AVrmaIsReadByItsTable) {
   }
 }
 
-// What moves the nodes above the hips moves the hips; a node's scale counts.
+// Motion of the nodes above the hips moves the hips; a node's scale counts.
 TEST(GltfClip, NodesAboveTheHipsMoveThem) {
   Parts parts(Glb(Humanoid()));
   json& nodes = parts.document["nodes"];

@@ -237,13 +237,13 @@ TEST_F(GltfReadTest, WhatIsNoAvatarIsRefusedInWords) {
   constexpr const char* kExpected = ", expected an avatar's .vrm, .glb or .gltf";
   for (const auto& [text, found] : std::vector<std::pair<std::string, std::string>>{
            {"HIERARCHY\nROOT hips\n",
-            "avatar.gltf: is no glTF 2.0: found a file that begins with \"HIERARCHY?ROOT h\""},
+            "avatar.gltf: is not glTF 2.0: found a file that begins with \"HIERARCHY?ROOT h\""},
            {"\x7F"
             "ELF\x02",
             "found a file that begins with \"?ELF?\""},
            {"", "found an empty file"},
            {"  \n{\"asset\": {\"version\": 2,,", "found JSON that cannot be read"},
-           {"glTF\x02", "is no glTF 2.0: "}}) {
+           {"glTF\x02", "is not glTF 2.0: "}}) {
     const std::string message = Read(text).status().message();
     EXPECT_THAT(message, HasSubstr(found));
     EXPECT_TRUE(message.ends_with(kExpected)) << message;
@@ -299,12 +299,12 @@ TEST_F(GltfReadTest, AFileThatWantsAnotherFromOutsideItsFolderIsRefused) {
            {"..\\secret.bin", "leads out of the avatar's folder"},
            {"/etc/passwd", "is an absolute path"},
            {"%2Fetc/passwd", "is an absolute path"},
-           {"file:///etc/passwd", "is no file beside the avatar"},
-           {"http://a.example/b.bin", "is no file beside the avatar"},
-           {"in.bin%00.png", "is no file beside the avatar"},
+           {"file:///etc/passwd", "is not a file beside the avatar"},
+           {"http://a.example/b.bin", "is not a file beside the avatar"},
+           {"in.bin%00.png", "is not a file beside the avatar"},
            {"link.bin", "is a link that leads out of the avatar's folder"},
-           {"pipe.bin", "is no ordinary file"},
-           {"sub", "is no ordinary file"}}) {
+           {"pipe.bin", "is not an ordinary file"},
+           {"sub", "is not an ordinary file"}}) {
     for (const char* const list : {"buffers", "images"}) {
       const auto read = with(list, uri);
       ASSERT_FALSE(read.ok()) << list << " " << uri;
@@ -319,7 +319,7 @@ TEST_F(GltfReadTest, AFileThatWantsAnotherFromOutsideItsFolderIsRefused) {
   }
 }
 
-// Opening a pipe would block the daemon until somebody writes to it.
+// Opening a pipe would block the daemon until another process writes to it.
 TEST_F(GltfReadTest, PipesDevicesAndFoldersAreRefusedAndNobodyIsWaitedFor) {
   for (const std::string name : {"pipe.glb", "pipe.bvh"}) {
     const std::string pipe = folder_ / name;

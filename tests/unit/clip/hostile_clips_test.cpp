@@ -21,8 +21,8 @@ using testing::HasSubstr;
 
 constexpr std::size_t kFile = std::size_t{8} << 20;  // bytes that a request's file may have
 constexpr std::size_t kMemoryPerByte = 8;
-// What even the smallest file may take: 4 MiB of frames, or of nodes, and the 60 s of canonical
-// poses that an example ends as.
+// The memory that even the smallest file may use: 4 MiB of frames, or of nodes, and the 60 s of
+// canonical poses that an example ends as.
 constexpr std::size_t kFixed = std::size_t{8} << 20;
 constexpr auto kMostTime = std::chrono::seconds(5);  // on a machine that is busy with other tests
 

@@ -1,10 +1,10 @@
-#include "daemon/pipeline/performer/admission.h"
+#include "daemon/decide/admission.h"
 
 #include <gtest/gtest.h>
 
 #include "daemon/runtime/clock.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 
 using runtime::kMillisecond_ns;
@@ -73,4 +73,4 @@ TEST(AdmissionTest, TheLastRefusalOfASecondIsNamed) {
 }
 
 }  // namespace
-}  // namespace styled::pipeline
+}  // namespace styled::decide

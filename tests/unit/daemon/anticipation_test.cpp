@@ -1,10 +1,10 @@
-#include "daemon/pipeline/anticipation.h"
+#include "daemon/decide/anticipation.h"
 
 #include <gtest/gtest.h>
 
 #include "daemon/runtime/schedule.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 
 constexpr std::int64_t kDue_ns = 50'000'000;
@@ -62,4 +62,4 @@ TEST(Schedule, KnowsWhenAFrameIsDueByTheShortestWay) {
 }
 
 }  // namespace
-}  // namespace styled::pipeline
+}  // namespace styled::decide

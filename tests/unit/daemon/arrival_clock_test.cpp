@@ -227,7 +227,7 @@ TEST_F(TcpArrivalTest, WhatWaitedWhileTheLoopWasHeldUpIsNotNew) {
   FAIL() << "never as they were sent";
 }
 
-// A datagram tells what was dropped before it, so that the last ones of a burst are told by none.
+// Each datagram reports the drops before it, so the last ones of a burst are not reported.
 TEST_F(UdpSocketTest, WhatTheKernelDroppedLastIsCountedToo) {
   UdpSocket socket = Open(4096);
   const support::UdpLink link(socket.endpoint());
@@ -241,7 +241,7 @@ TEST_F(UdpSocketTest, WhatTheKernelDroppedLastIsCountedToo) {
   socket.ReadDrops();
   EXPECT_EQ(dropped(), kSent - received);
   EXPECT_EQ(socket.kernel_dropped(), kSent - received);
-  EXPECT_EQ(counters_.TakeSources(runtime::Counter::kSourceKernelDropped), 1U << kSource);
+  EXPECT_EQ(counters_.ClearSources(runtime::Counter::kSourceKernelDropped), 1U << kSource);
   socket.ReadDrops();
   EXPECT_EQ(dropped(), kSent - received) << "counted once";
 }

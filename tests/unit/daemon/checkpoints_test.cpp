@@ -1,6 +1,6 @@
 // A checkpoint of one daemon's performer is restored by another daemon: the motion goes on there,
 // bit for bit. What cannot be restored leaves everything as it was.
-#include "daemon/pipeline/checkpoints.h"
+#include "daemon/perform/checkpoints.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "model/base/crc32c.h"
 #include "model/clip/glb_write.h"
 #include "model/feet/legs.h"
 #include "tests/support/fake_pipeline.h"
@@ -53,7 +54,7 @@ struct Stage {
     pipeline.publisher.frames.clear();
     return bytes;
   }
-  v1::Reply Take(const std::string& performer = "rig.a") {
+  v1::Reply Accept(const std::string& performer = "rig.a") {
     v1::Request request;
     request.set_id(5);
     request.set_performer(performer);
@@ -89,7 +90,7 @@ struct Stage {
 
 // Gives the checkpoint this state, with a checksum that is right.
 void Seal(v1::Checkpoint& checkpoint, std::string state) {
-  const std::uint32_t crc = native::Crc32c(std::as_bytes(std::span(state)));
+  const std::uint32_t crc = Crc32c(std::as_bytes(std::span(state)));
   for (int bit = 0; bit < 32; bit += 8) state.push_back(static_cast<char>(crc >> bit & 0xffU));
   checkpoint.set_state(std::move(state));
 }
@@ -153,7 +154,7 @@ TEST_F(CheckpointsTest, AnotherDaemonGoesOnBitForBit) {
       ASSERT_TRUE(other->Published() == expected) << i << ", restored after " << at;
     }
     if (i % 37 != 10) continue;
-    const v1::Reply taken = first->Take();
+    const v1::Reply taken = first->Accept();
     ASSERT_EQ(taken.code(), v1::CODE_OK) << taken.reason();
     EXPECT_EQ(taken.id(), 5U);
     auto other = Start(5'000 + i);  // its clock has nothing to do with the first one's
@@ -168,7 +169,7 @@ TEST_F(CheckpointsTest, AnotherDaemonGoesOnBitForBit) {
     EXPECT_EQ(restored.applied(0).first_sequence(),
               std::max<std::uint64_t>(taken.checkpoint().sequence(), met ? 60 : 0));
     (void)other->Published();
-    EXPECT_TRUE(other->Take().checkpoint().state() == taken.checkpoint().state()) << i;
+    EXPECT_TRUE(other->Accept().checkpoint().state() == taken.checkpoint().state()) << i;
     others.emplace(i, std::move(other));
   }
   EXPECT_EQ(others.size(), 7U);
@@ -184,7 +185,7 @@ TEST_F(CheckpointsTest, ItIsTheSameOverAPerformerWhoIsThere) {
     second->Deliver(datagram);  // it has seen the same, but in no style
     const auto one = first->Published(), other = second->Published();
     if (i == 100) {
-      const v1::Reply taken = first->Take();
+      const v1::Reply taken = first->Accept();
       const v1::Reply restored = second->Restore(taken.checkpoint());
       ASSERT_EQ(restored.code(), v1::CODE_OK) << restored.reason();
     }
@@ -196,7 +197,7 @@ TEST_F(CheckpointsTest, UnderAnotherName) {
   const auto first = Start(), second = Start();
   const auto show = Show(90);
   for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
-  const v1::Checkpoint checkpoint = first->Take().checkpoint();
+  const v1::Checkpoint checkpoint = first->Accept().checkpoint();
   ASSERT_EQ(second->Restore(checkpoint, "rig.b").code(), v1::CODE_OK);
   support::Rig rig("b");
   rig.sequence = 60;
@@ -225,7 +226,7 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
   first->Wear(2, 1, 500);
   second->Wear(2, 1, 500);
   both(30, 50);
-  const v1::Checkpoint good = second->Take().checkpoint();
+  const v1::Checkpoint good = second->Accept().checkpoint();
   const std::vector<std::pair<std::string, std::function<void(v1::Checkpoint&)>>> bad{
       {"version 0, expected 3", [](v1::Checkpoint& c) { c.Clear(); }},
       {"version 2, expected 3", [](v1::Checkpoint& c) { c.set_version(2); }},
@@ -257,7 +258,7 @@ TEST_F(CheckpointsTest, WhatIsRefusedLeavesNoTrace) {
     EXPECT_EQ(reply.applied_size(), 0);
     EXPECT_EQ(second->Restore(checkpoint, "rig.new").code(), v1::CODE_MALFORMED) << why;
   }
-  EXPECT_EQ(second->Take("rig.new").code(), v1::CODE_UNKNOWN_PERFORMER);
+  EXPECT_EQ(second->Accept("rig.new").code(), v1::CODE_UNKNOWN_PERFORMER);
   both(50, 160);
 }
 
@@ -267,7 +268,7 @@ TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
   const auto show = Show(80);
   const auto first = Start();
   for (int i = 0; i < 60; ++i) first->Deliver(show[static_cast<std::size_t>(i)]);
-  const v1::Checkpoint good = first->Take().checkpoint();
+  const v1::Checkpoint good = first->Accept().checkpoint();
   const std::string state = good.state().substr(0, good.state().size() - 4);
   std::mt19937 random(1);
   int refused = 0;
@@ -302,21 +303,21 @@ TEST_F(CheckpointsTest, SpoiltStatesDoNoHarm) {
 TEST_F(CheckpointsTest, NamesThatAreNone) {
   const auto stage = Start();
   stage->Deliver(Show(1)[0]);
-  const v1::Checkpoint good = stage->Take().checkpoint();
+  const v1::Checkpoint good = stage->Accept().checkpoint();
   for (const char* name : {"*", "a", "usb.a", "rig.", "rig.\n"}) {
-    EXPECT_EQ(stage->Take(name).code(), v1::CODE_UNKNOWN_PERFORMER) << name;
+    EXPECT_EQ(stage->Accept(name).code(), v1::CODE_UNKNOWN_PERFORMER) << name;
     const v1::Reply reply = stage->Restore(good, name);
     EXPECT_EQ(reply.code(), v1::CODE_UNKNOWN_PERFORMER) << name;
     EXPECT_NE(reply.reason().find("expected SOURCE.NAME"), std::string::npos) << reply.reason();
   }
-  EXPECT_EQ(stage->Take("rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
+  EXPECT_EQ(stage->Accept("rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
 }
 
 TEST_F(CheckpointsTest, AFullTableIsSaid) {
   config->performers.max_performers = 1;
   const auto stage = Start();
   for (const auto& datagram : Show(3)) stage->Deliver(datagram);
-  const v1::Checkpoint good = stage->Take().checkpoint();
+  const v1::Checkpoint good = stage->Accept().checkpoint();
   const v1::Reply reply = stage->Restore(good, "rig.b");
   EXPECT_EQ(reply.code(), v1::CODE_BUSY) << reply.reason();
   EXPECT_EQ(stage->Restore(good).code(), v1::CODE_OK) << "in their own place";

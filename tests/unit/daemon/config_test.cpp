@@ -159,7 +159,7 @@ TEST_F(ConfigTest, OutputsAndJointsAreReadAndJudged) {
   EXPECT_THAT(Complaint("[[output]]\nname = 'x'\navatar = 'a'\nperformers = ['anna']\n"),
               HasSubstr("output.0.performers: \"anna\"; expected SOURCE.NAME"));
   EXPECT_THAT(Complaint("[[source]]\nlisten = '127.0.0.1:0'\njoints = { leftUperArm = 'x' }\n"),
-              HasSubstr("\"leftUperArm\" is no joint of the canonical humanoid, nearest is "
+              HasSubstr("\"leftUperArm\" is not a joint of the canonical humanoid, nearest is "
                         "\"leftUpperArm\""));
 }
 
@@ -239,7 +239,7 @@ TEST_F(ConfigTest, WhoMayConnectToAnIpcPathIsRead) {
         << users;
   }
   EXPECT_THAT(Complaint("[control]\nipc_users = ['anna']\n"),
-              HasSubstr("control.ipc_users: no other user gets past control.ipc_mode"));
+              HasSubstr("control.ipc_users: no other user is admitted by control.ipc_mode"));
 }
 
 TEST_F(ConfigTest, ALimitForEachSenderIsANumberOrNone) {
@@ -261,7 +261,7 @@ TEST_F(ConfigTest, AHostsNameIsRefusedBeforeAnySocketIs) {
 }
 
 TEST_F(ConfigTest, NoPortIsGivenTwice) {
-  // Each with the line to change, what takes the address, and where that is said.
+  // Each with the line to change, the program that uses the address, and the line that states it.
   EXPECT_EQ(Complaint("[publish]\naddress = 'tcp://127.0.0.1:7100'\n"
                       "[control]\naddress = 'tcp://127.0.0.1:7100'\n"),
             file_ + ":4: control.address: tcp://127.0.0.1:7100 is taken by publish.address (" +
@@ -392,9 +392,10 @@ TEST_F(ConfigTest, WhatQtmIsToAskIsJudgedWithoutAskingIt) {
   const std::string source = "[[source]]\nname = \"o\"\ntype = \"qtm\"\n";
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10\"\n"), "");
   EXPECT_EQ(Complaint(source + "server = \"192.168.1.10:22225\"\n"), "");
-  EXPECT_THAT(Complaint(source),
-              HasSubstr("source.0.server: \"\"; expected an IPv4 address, or one and a port, e.g. "
-                        "\"192.168.1.10:22223\""));
+  EXPECT_THAT(
+      Complaint(source),
+      HasSubstr("source.0.server: \"\"; expected an IPv4 address, or an address and a port, e.g. "
+                "\"192.168.1.10:22223\""));
 }
 
 TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
@@ -493,7 +494,7 @@ TEST_F(ConfigTest, ARecordingsFolderIsRefusedWhereItCannotBeMade) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new")) << "it was only looked at";
   const Status status = check("file/more/%F.styrec");
   EXPECT_FALSE(status.ok());
-  EXPECT_NE(status.message().find("/file: is no folder"), std::string::npos) << status.message();
+  EXPECT_NE(status.message().find("/file: is not a folder"), std::string::npos) << status.message();
   if (geteuid() != 0) {  // whom nothing is refused
     std::filesystem::permissions(folder_.path(), std::filesystem::perms::owner_read);
     EXPECT_FALSE(check("new/%F.styrec").ok());

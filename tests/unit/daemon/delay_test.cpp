@@ -21,7 +21,7 @@ struct FakeClock final : runtime::Clock {
   std::int64_t Wall_ns() const noexcept override { return now_ns; }
 };
 
-// Delivers each datagram when its moment has come.
+// Delivers each datagram at its time.
 struct Network final : Transport {
   struct Packet {
     std::int64_t arrives_ns;

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/facing.h"
+#include "daemon/perform/performer/facing.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/finger_layer.h"
+#include "daemon/perform/merge/finger_layer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,15 +24,15 @@ class FingerLayerTest : public testing::Test {
  protected:
   FingerLayer Layer(const rig::TailSet& wanted = kBothHands) { return FingerLayer(wanted, {}, {}); }
   std::string Accept(FingerLayer& layer, const source::SourceFrame& body) {
-    std::string why;
-    became_ = layer.Accept(body, now_ns_, why);
-    return why;
+    const auto accepted = layer.AcceptBody(body, now_ns_);
+    became_ = accepted.ok() ? std::optional(accepted.value()) : std::nullopt;
+    return accepted.status().message();
   }
   // Frames of the glove at 100 Hz for so long, and the performer's time with it.
   void Play(FingerLayer& layer, Glove& glove, int ms) {
     for (int i = 0; i < ms; i += 10) {
       now_ns_ += 10 * kMs;
-      EXPECT_EQ(layer.Take(glove.Frame(), now_ns_), MergedPart::kTaken);
+      EXPECT_EQ(layer.Accept(glove.Frame(), now_ns_), MergedPart::kAccepted);
       layer.Advance(10 * kMs);
     }
   }
@@ -44,13 +44,13 @@ class FingerLayerTest : public testing::Test {
   }
 
   std::int64_t now_ns_ = 1'000 * kMs;
-  FingerLayer::Body became_ = FingerLayer::Body::kSame;
+  std::optional<FingerLayer::Body> became_;  // empty: refused
 };
 
 TEST_F(FingerLayerTest, WithoutAFrameThePerformersOwnStay) {
   FingerLayer layer = Layer();
   Glove glove;
-  EXPECT_EQ(layer.Take(glove.Frame(), now_ns_), Counter::kPipelineBeforeBody);
+  EXPECT_EQ(layer.Accept(glove.Frame(), now_ns_), Counter::kPipelineBeforeBody);
   EXPECT_EQ(Accept(layer, glove.Body()), "");
   EXPECT_EQ(became_, FingerLayer::Body::kBound);
   layer.Advance(10 * kMs);
@@ -115,7 +115,7 @@ TEST_F(FingerLayerTest, ComeHoldAndGoWithoutAJump) {
   double last = 0, fastest = 0;
   const auto step = [&](bool sends) {
     now_ns_ += 10 * kMs;
-    if (sends) EXPECT_EQ(layer.Take(glove.Frame(), now_ns_), MergedPart::kTaken);
+    if (sends) EXPECT_EQ(layer.Accept(glove.Frame(), now_ns_), MergedPart::kAccepted);
     layer.Advance(10 * kMs);
     const double degrees = Degrees(layer, kLeftIndex);
     fastest = std::max(fastest, std::abs(degrees - std::exchange(last, degrees)));
@@ -189,7 +189,7 @@ TEST_F(FingerLayerTest, AbsurdValuesAreNotShown) {
   }
   source::SourceFrame future = glove.Frame();
   future.sequence += 1ULL << 40U;
-  EXPECT_EQ(layer.Take(future, now_ns_), Counter::kPipelineFarAhead);
+  EXPECT_EQ(layer.Accept(future, now_ns_), Counter::kPipelineFarAhead);
   Play(layer, glove, 20);
   layer.Advance(std::numeric_limits<std::int64_t>::min());
   layer.Advance(std::numeric_limits<std::int64_t>::max());
@@ -221,10 +221,10 @@ TEST_F(FingerLayerTest, ABodyWithoutFingersIsRefusedOnceASession) {
   FingerLayer layer = Layer();
   Glove bare{rig::TailSet()};
   EXPECT_THAT(Accept(layer, bare.Body()), HasSubstr("found no finger below a hand"));
-  EXPECT_EQ(became_, FingerLayer::Body::kRefused);
+  EXPECT_EQ(became_, std::nullopt);
   EXPECT_EQ(Accept(layer, bare.Body()), "");
   EXPECT_EQ(became_, FingerLayer::Body::kSame) << "the body comes once a second";
-  EXPECT_EQ(layer.Take(bare.Frame(), now_ns_), Counter::kPipelineUncalibrated);
+  EXPECT_EQ(layer.Accept(bare.Frame(), now_ns_), Counter::kPipelineUncalibrated);
   Glove right(rig::FingersOf(body::kRightHand));
   right.crc = 78;
   right.sequence = bare.sequence;
@@ -247,14 +247,14 @@ TEST_F(FingerLayerTest, ASecondSenderWaitsUntilTheFirstIsSilent) {
   ASSERT_EQ(Accept(layer, first.Body()), "");
   first.Of(kLeftIndex) = Bent(60);
   Play(layer, first, 600);
-  EXPECT_EQ(layer.Take(second.Frame(), now_ns_), Counter::kPipelineSecondSender);
-  EXPECT_EQ(layer.Take(other.Frame(), now_ns_), Counter::kPipelineSecondSender);
+  EXPECT_EQ(layer.Accept(second.Frame(), now_ns_), Counter::kPipelineSecondSender);
+  EXPECT_EQ(layer.Accept(other.Frame(), now_ns_), Counter::kPipelineSecondSender);
   EXPECT_EQ(Accept(layer, other.Body()), "");
   EXPECT_NEAR(Degrees(layer, kLeftIndex), 60, 0.01);
   now_ns_ += 501 * kMs;
   ASSERT_EQ(Accept(layer, other.Body()), "");
-  EXPECT_EQ(layer.Take(other.Frame(), now_ns_), MergedPart::kTaken);
-  EXPECT_EQ(layer.Take(first.Frame(), now_ns_), Counter::kPipelineSecondSender);
+  EXPECT_EQ(layer.Accept(other.Frame(), now_ns_), MergedPart::kAccepted);
+  EXPECT_EQ(layer.Accept(first.Frame(), now_ns_), Counter::kPipelineSecondSender);
 }
 
 TEST_F(FingerLayerTest, AFrameOfAnotherBodyOrSizeIsRefused) {
@@ -263,13 +263,13 @@ TEST_F(FingerLayerTest, AFrameOfAnotherBodyOrSizeIsRefused) {
   ASSERT_EQ(Accept(layer, glove.Body()), "");
   source::SourceFrame frame = glove.Frame();
   frame.body_crc = 1;
-  EXPECT_EQ(layer.Take(frame, now_ns_), Counter::kPipelineWrongBody);
+  EXPECT_EQ(layer.Accept(frame, now_ns_), Counter::kPipelineWrongBody);
   frame = glove.Frame();
   frame.rotations = frame.rotations.first(frame.rotations.size() - 16);
-  EXPECT_EQ(layer.Take(frame, now_ns_), Counter::kPipelineWrongSize);
+  EXPECT_EQ(layer.Accept(frame, now_ns_), Counter::kPipelineWrongSize);
   frame = glove.Frame();
   frame.sequence -= 2;
-  EXPECT_EQ(layer.Take(frame, now_ns_), Counter::kPipelineDuplicate);
+  EXPECT_EQ(layer.Accept(frame, now_ns_), Counter::kPipelineDuplicate);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Fingers of other sources on a performer.
-#include "daemon/pipeline/performer/fingers.h"
+#include "daemon/perform/performer/fingers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ struct Given {
     EXPECT_EQ(layer.Accept(glove.Body(), 0, why), FingerLayer::Body::kBound) << why;
     glove.Of(kIndex) = Bent(degrees);
   }
-  void Send() { EXPECT_EQ(layer.Take(glove.Frame(), now_ns += 10 * kMs), MergedPart::kTaken); }
+  void Send() { EXPECT_EQ(layer.Accept(glove.Frame(), now_ns += 10 * kMs), MergedPart::kAccepted); }
   Glove glove;
   FingerLayer layer;
   std::int64_t now_ns = 0;

@@ -34,7 +34,7 @@ std::string Complaint(const std::string& text, const std::vector<config::Overrid
 
 class HostileFilesTest : public testing::Test {
  protected:
-  // Files that are none, and what is said of them.
+  // Invalid files, and the messages about them.
   std::vector<std::pair<std::string, std::string>> NoFiles() {
     const std::string pipe = folder_ / "pipe", socket_file = folder_ / "socket";
     EXPECT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -181,8 +181,8 @@ int DepthOf(const toml::node& node) {
   return deepest + 1;
 }
 
-// toml++ is the judge: no text that it parses may be deeper than what is said to pass. The pieces
-// are those at which two readers of TOML could disagree about where a string or a comment ends.
+// toml++ is the judge: no text that it parses may be deeper than the stated limit. The pieces are
+// those at which two readers of TOML could disagree about where a string or a comment ends.
 TEST_F(HostileFilesTest, TomlAgreesAboutWhereStringsAndCommentsEnd) {
   const std::string deep = Times(400, "b.") + "b=1";
   const std::vector<std::string> pieces{"\n",        "\n",        "\n",

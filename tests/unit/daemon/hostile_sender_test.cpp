@@ -1,5 +1,5 @@
-// What senders do to themselves and to others: clocks, counters, sessions, skeletons. Beside each a
-// victim sends at 120 Hz and must not notice.
+// Effects of senders on themselves and on others: clocks, counters, sessions, skeletons. Beside
+// each a victim sends at 120 Hz and must not notice.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -170,7 +170,7 @@ TEST_F(HostileSenderTest, AStolenSessionIdFromAnotherMachineChangesNothing) {
   Deliver({victim.Body(), victim.Frame()});
   for (int i = 0; i < 200; ++i) {
     VictimSends();
-    Rig thief("victim", victim.session + (i % 2 == 0 ? 0 : kSessionStep));
+    Rig thief("victim", victim.session + (i % 2 == 0 ? 0 : decide::kSessionStep));
     thief.sequence = victim.sequence + static_cast<std::uint64_t>(i);
     thief.time_ns = victim.time_ns + 1000 * kMs_u;
     Deliver({thief.Body(), thief.Frame()}, kElsewhere);
@@ -180,7 +180,8 @@ TEST_F(HostileSenderTest, AStolenSessionIdFromAnotherMachineChangesNothing) {
   EXPECT_EQ(stage.Count(Counter::kPipelineSessions), 1U);
 }
 
-// What status and doctor tell of a performer whose datagrams come and whose frames do not leave.
+// The report of status and doctor about a performer whose datagrams arrive and whose frames are not
+// published.
 TEST_F(HostileSenderTest, LiveMeansThatFramesLeaveAndTheReasonIsSaidWhereTheyDoNot) {
   Deliver({victim.Body(), victim.Frame()});
   VictimSends();
@@ -262,7 +263,7 @@ TEST_F(HostileSenderTest, BodiesWithoutFramesHoldNoPlace) {
   EXPECT_EQ(Left("rig.real"), 1U);
 }
 
-// The first frame of a performer who gives way stands behind the newcomer's body in one batch.
+// The first frame of a replaced performer stands behind the newcomer's body in one batch.
 TEST_F(HostileSenderTest, WhoGivesWayWithinABatchIsNotTouchedAgain) {
   std::vector<Rig> ghosts;
   for (int k = 0; k < 64; ++k) {

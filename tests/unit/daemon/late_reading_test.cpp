@@ -1,4 +1,4 @@
-// What a pipeline that was held up reads late is not taken for a silence of the sender.
+// Datagrams that a delayed pipeline reads late do not count as a silence of the sender.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -19,8 +19,8 @@ class EndsWithSilence final : public Translator {
   static constexpr std::int64_t kSilence_ns = 5 * runtime::kMillisecond_ns;
   explicit EndsWithSilence(std::vector<int>& frames) : frames_(frames) {}
 
-  void Take(std::span<const std::byte> /*datagram*/, const Peer& /*peer*/, std::int64_t now_ns,
-            Outbox& /*out*/) override {
+  void Handle(std::span<const std::byte> /*datagram*/, const Peer& /*peer*/, std::int64_t now_ns,
+              Outbox& /*out*/) override {
     ++open_;
     last_ns_ = now_ns;
   }

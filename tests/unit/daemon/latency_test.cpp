@@ -1,4 +1,4 @@
-#include "daemon/pipeline/performer/latency.h"
+#include "daemon/perform/performer/latency.h"
 
 #include <gtest/gtest.h>
 

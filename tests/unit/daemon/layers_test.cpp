@@ -1,4 +1,4 @@
-#include "daemon/pipeline/layers.h"
+#include "daemon/perform/merge/layers.h"
 
 #include <gtest/gtest.h>
 
@@ -39,8 +39,8 @@ source::SourceFrame Frame(const Bytes& face, std::uint64_t sequence, std::uint64
 
 using support::kMs;
 
-bool Takes(FaceLayer& layer, const source::SourceFrame& frame, std::int64_t now_ns) {
-  return layer.Take(frame, now_ns) == MergedPart::kTaken;
+bool Accepts(FaceLayer& layer, const source::SourceFrame& frame, std::int64_t now_ns) {
+  return layer.Accept(frame, now_ns) == MergedPart::kAccepted;
 }
 
 TEST(FaceLayer, WithoutAFaceThePerformersOwnIsShown) {
@@ -52,16 +52,16 @@ TEST(FaceLayer, WithoutAFaceThePerformersOwnIsShown) {
 TEST(FaceLayer, AnOlderFrameIsRefused) {
   FaceLayer layer;
   const Bytes face = Encoded({{"jawOpen", 0.5F}});
-  EXPECT_TRUE(Takes(layer, Frame(face, 5), 0));
-  EXPECT_FALSE(Takes(layer, Frame(face, 5), 0));
-  EXPECT_FALSE(Takes(layer, Frame(face, 4), 0));
-  EXPECT_TRUE(Takes(layer, Frame(face, 0, 3), 0)) << "another session";
+  EXPECT_TRUE(Accepts(layer, Frame(face, 5), 0));
+  EXPECT_FALSE(Accepts(layer, Frame(face, 5), 0));
+  EXPECT_FALSE(Accepts(layer, Frame(face, 4), 0));
+  EXPECT_TRUE(Accepts(layer, Frame(face, 0, 3), 0)) << "another session";
 }
 
 TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
   FaceLayer layer;
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}}, "/VMC/Thru/a");
-  ASSERT_TRUE(Takes(layer, Frame(face, 1), 0));
+  ASSERT_TRUE(Accepts(layer, Frame(face, 1), 0));
   const auto shown = Parsed(layer.Over(own, 100 * kMs));
   ASSERT_EQ(shown.expressions_size(), 1);
   EXPECT_EQ(shown.expressions(0).name(), "jawOpen");
@@ -73,7 +73,7 @@ TEST(FaceLayer, ItsExpressionsReplaceTheOwnOnesAndMessagesArePassedOn) {
 TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
   FaceLayer layer;
   const Bytes face = Encoded({{"a", 0.8F}, {"b", 0.0F}}), own = Encoded({{"Joy", 1.0F}});
-  ASSERT_TRUE(Takes(layer, Frame(face, 1), 0));
+  ASSERT_TRUE(Accepts(layer, Frame(face, 1), 0));
   const auto at = [&](std::int64_t ms) {
     return Parsed(layer.Over(own, ms * kMs)).expressions(0).value();
   };
@@ -82,19 +82,19 @@ TEST(FaceLayer, ASilentOneIsHeldFadesAndGivesTheOwnFaceBack) {
   EXPECT_FLOAT_EQ(at(1000), 0);
   EXPECT_FLOAT_EQ(at(1999), 0);
   EXPECT_EQ(Parsed(layer.Over(own, 2001 * kMs)).expressions(0).name(), "Joy");
-  ASSERT_TRUE(Takes(layer, Frame(face, 2), 5000 * kMs));
+  ASSERT_TRUE(Accepts(layer, Frame(face, 2), 5000 * kMs));
   EXPECT_FLOAT_EQ(at(5001), 0.8F);
 }
 
 TEST(FaceLayer, ComingAndFallingSilentAreToldOnce) {
   FaceLayer layer;
   EXPECT_EQ(layer.Change(0), 0);
-  ASSERT_TRUE(Takes(layer, Frame(Encoded({{"a", 0.8F}}), 1), 0));
+  ASSERT_TRUE(Accepts(layer, Frame(Encoded({{"a", 0.8F}}), 1), 0));
   EXPECT_EQ(layer.Change(10 * kMs), 1);
   EXPECT_EQ(layer.Change(900 * kMs), 0);
   EXPECT_EQ(layer.Change(1001 * kMs), -1);
   EXPECT_EQ(layer.Change(5000 * kMs), 0);
-  ASSERT_TRUE(Takes(layer, Frame(Encoded({{"a", 0.8F}}), 2), 6000 * kMs));
+  ASSERT_TRUE(Accepts(layer, Frame(Encoded({{"a", 0.8F}}), 2), 6000 * kMs));
   EXPECT_EQ(layer.Change(6001 * kMs), 1);
 }
 
@@ -102,15 +102,16 @@ TEST(FaceLayer, ComingAndFallingSilentAreToldOnce) {
 TEST(FaceLayer, AFrameFromTheFutureAndASecondPhoneChangeNothing) {
   FaceLayer layer;
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), other = Encoded({{"jawOpen", 0.9F}});
-  ASSERT_TRUE(Takes(layer, Frame(face, 1), 0));
-  EXPECT_EQ(layer.Take(Frame(other, 1ULL << 60U), 10 * kMs), runtime::Counter::kPipelineFarAhead);
-  EXPECT_EQ(layer.Take(Frame(other, 1, 8), 10 * kMs), runtime::Counter::kPipelineSecondSender);
-  EXPECT_TRUE(Takes(layer, Frame(face, 2), 20 * kMs));
+  ASSERT_TRUE(Accepts(layer, Frame(face, 1), 0));
+  EXPECT_EQ(layer.Accept(Frame(other, 1ULL << 60U), 10 * kMs), runtime::Counter::kPipelineFarAhead);
+  EXPECT_EQ(layer.Accept(Frame(other, 1, 8), 10 * kMs), runtime::Counter::kPipelineSecondSender);
+  EXPECT_TRUE(Accepts(layer, Frame(face, 2), 20 * kMs));
   EXPECT_EQ(Parsed(layer.Over({}, 20 * kMs)).expressions(0).value(), 0.5F);
-  EXPECT_TRUE(Takes(layer, Frame(other, 1, 8), 600 * kMs)) << "the first is silent";
+  EXPECT_TRUE(Accepts(layer, Frame(other, 1, 8), 600 * kMs)) << "the first is silent";
 }
 
-// What is no face comes from a performer's own protocol; nothing of it may be read beyond its end.
+// Arrays that are not faces come from a performer's own protocol; nothing of it may be read beyond
+// its end.
 TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
   FaceLayer layer;
   const Bytes whole = Encoded({{"jawOpen", 0.5F}}, "/VMC/Thru/a");
@@ -126,14 +127,14 @@ TEST(FaceLayer, BytesThatAreNoFaceAreKeptOut) {
       EXPECT_EQ(passed_on.data() + passed_on.size(), cut.data() + cut.size()) << size;
       EXPECT_EQ(passed_on.size(), size - expression_size) << size;
     }
-    if (size > 0) EXPECT_TRUE(Takes(layer, Frame(cut, size), 0)) << size;
+    if (size > 0) EXPECT_TRUE(Accepts(layer, Frame(cut, size), 0)) << size;
     // As old as it fades: the values are scaled in place, and nothing is added.
     const auto shown = layer.Over(cut, 700 * kMs);
     EXPECT_EQ(shown.size(), cut.size() + passed_on.size()) << size;
   }
   const Bytes absurd(40, std::byte{0xFF});
   EXPECT_TRUE(source::PassedOn(absurd).empty());
-  ASSERT_TRUE(Takes(layer, Frame(absurd, 1000), 0));
+  ASSERT_TRUE(Accepts(layer, Frame(absurd, 1000), 0));
   const auto shown = layer.Over(absurd, 700 * kMs);
   EXPECT_TRUE(std::ranges::equal(shown, absurd)) << "nothing of it is a value to scale";
 }
@@ -147,7 +148,7 @@ TEST(Layers, AFaceGoesToItsPerformerAlone) {
   EXPECT_EQ(layers.Of(7), nullptr);
   ASSERT_NE(layers.Of(2), nullptr);
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}});
-  ASSERT_EQ(layers.Of(2)->Take(Frame(face, 1), 0), MergedPart::kTaken);
+  ASSERT_EQ(layers.Of(2)->Accept(Frame(face, 1), 0), MergedPart::kAccepted);
   EXPECT_TRUE(layers.FingersOf("stage.anna").empty());
   EXPECT_EQ(Parsed(layers.FaceOf("stage.bob", own, 0)).expressions(0).name(), "Joy");
   EXPECT_EQ(Parsed(layers.FaceOf("stage.anna", own, 0)).expressions(0).name(), "jawOpen");

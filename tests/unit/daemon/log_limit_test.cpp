@@ -1,4 +1,4 @@
-#include "daemon/pipeline/log_limit.h"
+#include "daemon/perform/log_limit.h"
 
 #include <gtest/gtest.h>
 
@@ -15,18 +15,18 @@ constexpr source::Machine kTalker{1}, kOther{2};
 
 TEST(LogLimitTest, ALineThatRepeatsIsSaidLessAndLessOftenWithACount) {
   LogLimit limit;
-  std::vector<int> said_s;
+  std::vector<int> logged_s;
   std::uint64_t held_back = 0, all_held_back = 0;
   for (int s = 0; s < 300; ++s) {
     if (!limit.Admit(Kind::kBodyRefused, kTalker, "rig.a", 100 * kLogSecond_ns + s * kLogSecond_ns,
                      held_back)) {
       continue;
     }
-    said_s.push_back(s);
+    logged_s.push_back(s);
     all_held_back += held_back;
   }
-  EXPECT_EQ(said_s, (std::vector<int>{0, 1, 3, 7, 15, 31, 63, 127, 191, 255}));
-  EXPECT_EQ(all_held_back, 255U + 1 - said_s.size());
+  EXPECT_EQ(logged_s, (std::vector<int>{0, 1, 3, 7, 15, 31, 63, 127, 191, 255}));
+  EXPECT_EQ(all_held_back, 255U + 1 - logged_s.size());
 }
 
 TEST(LogLimitTest, EveryPerformerAndKindIsToldOf) {

@@ -149,22 +149,22 @@ TEST(LookTest, WhatIsOutOfRangeIsNamed) {
 }
 
 TEST(LookTest, ALookAsksForVariationsByNumberByIdOrByDrift) {
-  EXPECT_FALSE(AsksForVariations(InitialLook()));
+  EXPECT_FALSE(RequestsVariations(InitialLook()));
   v1::Look look = InitialLook();
   look.set_vary(1);
-  EXPECT_TRUE(AsksForVariations(look));
+  EXPECT_TRUE(RequestsVariations(look));
   look.set_vary_amount(0);
-  EXPECT_FALSE(AsksForVariations(look)) << "the style itself";
+  EXPECT_FALSE(RequestsVariations(look)) << "the style itself";
   look = InitialLook();
   look.set_vary_each(true);
-  EXPECT_TRUE(AsksForVariations(look));
+  EXPECT_TRUE(RequestsVariations(look));
   look = InitialLook();
   look.set_drift_s(5);
-  EXPECT_TRUE(AsksForVariations(look));
+  EXPECT_TRUE(RequestsVariations(look));
 }
 
-// What a client of version 0.1 sent as `Set`: mix old 0.5, strength 0.8, 500 ms, absolute, only
-// head and left arm, own_style tired; and what it sent to clear.
+// A `Set` of a client of version 0.1: mix old 0.5, strength 0.8, 500 ms, absolute, only
+// head and left arm, own_style tired; and its request to clear.
 TEST(LookTest, TheBytesOfEarlierClientsMeanTheSame) {
   using namespace std::string_literals;
   v1::Look look;

@@ -81,7 +81,7 @@ TEST(NativeDecoderTest, TheFaceIsTheBytesOfItsRunAndWhatNobodyCouldReadIsRefused
 
   for (const char* broken : {"\xFF", "a\xC0\x80", "\xED\xA0\x80", "\xF5\x80\x80\x80", "\xE3\x81"}) {
     EXPECT_FALSE(IsUtf8(broken)) << broken;
-    // A name that is no text, as bytes: field 18, of a field 1.
+    // A name that is not text, as bytes: field 18, of a field 1.
     std::string bad = support::Rig("a").MakeFrame().SerializeAsString();
     const std::string name = broken;
     bad += std::string("\x92\x01") + static_cast<char>(name.size() + 2) + "\x0A" +

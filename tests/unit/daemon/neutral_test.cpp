@@ -50,7 +50,7 @@ class NeutralInTheDaemon : public testing::Test {
     return pipeline_.Ask(request);
   }
   v1::NeutralStats Told(FakePipeline& pipeline) { return pipeline.StatsOf("rig.a").neutral(); }
-  // What would be saved last.
+  // The value that would be saved last.
   std::vector<Profile> Saved() {
     std::unique_ptr<std::vector<Profile>> kept;
     std::vector<Profile> newest;

@@ -54,7 +54,7 @@ TEST(NotifyTest, AnAbstractAddressIsReached) {
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
-  // Bound with no name, a socket is given an abstract one that nobody has.
+  // Bound without a name, a socket gets an unused abstract one.
   ASSERT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&name), sizeof(sa_family_t)), 0);
   socklen_t length = sizeof name;
   ASSERT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&name), &length), 0);
@@ -74,7 +74,7 @@ TEST(NotifyTest, WithoutAManagerNothingHappens) {
     const auto begin = std::chrono::steady_clock::now();
     notifier.Ready("ready");
     notifier.Alive();
-    // Nobody is waited for: a manager that does not read is, for a second.
+    // The daemon waits for no manager; for one that does not read, a second.
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(900)) << address;
   }
 }

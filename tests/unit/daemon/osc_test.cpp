@@ -119,7 +119,7 @@ TEST_F(OscTest, WhatIsNotUnderstoodIsSaid) {
   EXPECT_THAT(why(Read("/styled/cue")), HasSubstr("a cue's name"));
   EXPECT_THAT(why(Read("/VMC/Ext/OK", "i", 1)), HasSubstr("expected /styled/PERFORMER/style"));
   EXPECT_THAT(why(Read("/styled/rig.a/strength", "f", std::nan(""))), HasSubstr("a number"));
-  // A request that is no UTF-8 could be kept in no recording, and its reply read by no client.
+  // A request that is not UTF-8 could not be recorded, and no client could read its reply.
   EXPECT_THAT(why(Read("/styled/rig.a/style", "s", "\xFF")), HasSubstr("expected a style and"));
   EXPECT_THAT(why(Read("/styled/cue", "s", "\xC3")), HasSubstr("a cue's name"));
   EXPECT_THAT(why(Read("/styled/cue/\xFF")), HasSubstr("expected UTF-8"));

@@ -1,4 +1,4 @@
-#include "daemon/pipeline/overload.h"
+#include "daemon/decide/overload.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,8 @@
 
 namespace styled::pipeline {
 namespace {
+
+using decide::Overload;
 
 using runtime::Counter;
 using runtime::kMillisecond_ns;
@@ -158,7 +160,7 @@ class SlowStageTest : public testing::Test {
     // As the thread does after each turn that read something.
     clock_.now_ns += 1000;
   }
-  // Lets the rigs send for so long.
+  // Lets the rigs send for this long.
   void Run(double seconds) {
     const std::int64_t until_ns = clock_.now_ns + static_cast<std::int64_t>(seconds * 1e9);
     while (clock_.now_ns < until_ns) {
@@ -287,6 +289,12 @@ TEST_F(SlowStageTest, AStyleThatIsSetMeanwhileIsShownAfterwards) {
   SetStyle("rig.p7", 0.5F);
   Run(0.5);
   EXPECT_TRUE(Stats()["rig.p7"].overload_bypass());
+  v1::Request explain;
+  explain.set_performer("rig.p7");
+  explain.mutable_explain();
+  EXPECT_NE(Ask(explain).explain().frames(0).text().find(
+                "left out because the machine cannot keep up: fewer performers"),
+            std::string::npos);
   EXPECT_NE(publisher_.frames.back().flags() & v1::FLAG_BYPASS, 0U);
   slow_->step_ns = 0;
   Run(30);

@@ -1,4 +1,4 @@
-// What a performer takes of the memory that the unit limits, and whether the daemon says so.
+// A performer's share of the memory that the unit limits, and the daemon's report of it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "daemon/config/machine.h"
-#include "daemon/pipeline/roster.h"
+#include "daemon/perform/roster.h"
 #include "model/net/load.h"
 #include "tests/support/child.h"
 #include "tests/support/count_new.h"

@@ -10,7 +10,7 @@ namespace {
 // One stream, and what its frames say.
 struct Fixture : support::Translated {
   struct Nothing final : Translator {
-    void Take(std::span<const std::byte>, const Peer&, std::int64_t, Outbox&) override {}
+    void Handle(std::span<const std::byte>, const Peer&, std::int64_t, Outbox&) override {}
   };
   Fixture() : Translated(std::make_unique<Nothing>()) {}
 
@@ -105,7 +105,7 @@ TEST(PerformerStream, FramesOfOneBatchKeepTheirOwnPoseNameAndFace) {
   rig::RigPose pose(f.body.skeleton);
   Face face;
   {
-    PerformerStream second("b");  // gone before the batch is handed on
+    PerformerStream second("b");  // gone before the batch is passed
     second.SetBody(f.body, f.outbox);
     second.Send(pose, {++f.time_ns, f.now_ns}, f.outbox);
   }

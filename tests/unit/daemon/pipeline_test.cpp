@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "model/base/crc32c.h"
 #include "proto/styled/look.h"
 #include "tests/support/fake_pipeline.h"
 #include "tests/support/native_frames.h"
@@ -174,7 +175,7 @@ TEST_F(PipelineTest, AFrameThatLeavesAPeriodAfterItsArrivalIsCounted) {
   deliver(9);
   deliver(150);
   EXPECT_EQ(Count(Counter::kPipelineOverBudgetFrames), 2U);
-  EXPECT_EQ(counters_.TakeSources(Counter::kPipelineOverBudgetFrames), 1U);
+  EXPECT_EQ(counters_.ClearSources(Counter::kPipelineOverBudgetFrames), 1U);
   const auto& last = frames().back();
   EXPECT_EQ(last.publish_time_ns() - last.receive_time_ns(), std::uint64_t{150 * kMs});
   Pass(1000);
@@ -377,8 +378,8 @@ TEST_F(PipelineTest, WhatIsColdIsWarmedShortlyBeforeAFrameIsDue) {
   clock_.now_ns += static_cast<std::int64_t>(rig_.period_ns);
   Deliver({rig_.Frame()});
   const std::int64_t due_ns = clock_.now_ns + static_cast<std::int64_t>(rig_.period_ns);
-  EXPECT_EQ(pipeline().NextDeadline_ns(), due_ns - Anticipation::kLead_ns);
-  clock_.now_ns = due_ns - Anticipation::kLead_ns - 1;
+  EXPECT_EQ(pipeline().NextDeadline_ns(), due_ns - decide::Anticipation::kLead_ns);
+  clock_.now_ns = due_ns - decide::Anticipation::kLead_ns - 1;
   Work();
   EXPECT_EQ(Count(Counter::kPipelinePrewarmed), 0U);
   EXPECT_FALSE(pipeline().Expects(clock_.now_ns));
@@ -432,7 +433,7 @@ TEST_F(PipelineTest, ANewSessionMayNameTheLastBodyByItsChecksum) {
   Deliver({restarted.Frame()});
   EXPECT_EQ(Count(Counter::kPipelineBeforeBody), 1U);
   const auto payload = std::span(body).subspan(native::kHeaderSize);
-  Deliver({restarted.Frame([&](v1::SourceFrame& f) { f.set_body_crc(native::Crc32c(payload)); })});
+  Deliver({restarted.Frame([&](v1::SourceFrame& f) { f.set_body_crc(Crc32c(payload)); })});
   ASSERT_EQ(frames().size(), 2U);
   EXPECT_EQ(frames()[1].flags() & v1::FLAG_NEW_SESSION, v1::FLAG_NEW_SESSION);
 }

@@ -51,20 +51,21 @@ stylist::Settings Resolved(const v1::Look& look, const net::Styles& styles,
 
 TEST(ProfileTest, AStyleWithoutVariationsIsNamedWhereTheLookAsksForThem) {
   const net::Styles styles = Both();
-  EXPECT_THAT(WithoutVariations(Looking({{"masculine", 1}, {"proud", 0.5F}}, 7), styles),
+  EXPECT_THAT(CheckVariations(Looking({{"masculine", 1}, {"proud", 0.5F}}, 7), styles).message(),
               HasSubstr("\"proud\" has no variations"));
-  EXPECT_EQ(WithoutVariations(Looking({{"proud", 1}}, 0), styles), "");
-  EXPECT_EQ(WithoutVariations(Looking({}, 7), styles), "");
-  EXPECT_EQ(WithoutVariations(Looking({{"neutral", 1}}, 7), styles), "");
-  EXPECT_EQ(WithoutVariations(Looking({{"elderly", 1}, {"masculine", 0.5F}}, 7), styles), "");
+  EXPECT_EQ(CheckVariations(Looking({{"proud", 1}}, 0), styles).message(), "");
+  EXPECT_EQ(CheckVariations(Looking({}, 7), styles).message(), "");
+  EXPECT_EQ(CheckVariations(Looking({{"neutral", 1}}, 7), styles).message(), "");
+  EXPECT_EQ(CheckVariations(Looking({{"elderly", 1}, {"masculine", 0.5F}}, 7), styles).message(),
+            "");
   v1::Look drifts = Looking({{"proud", 1}}, 0);
   drifts.set_drift_s(5);
-  EXPECT_NE(WithoutVariations(drifts, styles), "");
+  EXPECT_NE(CheckVariations(drifts, styles).message(), "");
   drifts.set_vary_amount(0);
-  EXPECT_EQ(WithoutVariations(drifts, styles), "") << "the style itself";
+  EXPECT_EQ(CheckVariations(drifts, styles).message(), "") << "the style itself";
   v1::Look each = Looking({{"proud", 1}}, 0);
   each.set_vary_each(true);
-  EXPECT_NE(WithoutVariations(each, styles), "");
+  EXPECT_NE(CheckVariations(each, styles).message(), "");
 }
 
 TEST(ProfileTest, TheStyleOfThatNameThatVariesStandsIn) {
@@ -90,7 +91,7 @@ TEST(ProfileTest, TheStyleOfThatNameThatVariesStandsIn) {
   net::Styles gone = styles;
   gone[3].retired = true;
   EXPECT_EQ(Resolved(Looking({{"elderly", 1}}, 7), gone).mix[0].style, 1);
-  EXPECT_NE(WithoutVariations(Looking({{"elderly", 1}}, 7), gone), "");
+  EXPECT_NE(CheckVariations(Looking({{"elderly", 1}}, 7), gone).message(), "");
 }
 
 TEST(ProfileTest, EachPerformersVariationIsItsOwnAndShifts) {

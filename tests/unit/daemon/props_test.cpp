@@ -296,7 +296,7 @@ class Staged final : Receiver {
     for (const auto id : {natnet::MessageId::kConnect, natnet::MessageId::kRequestModelDef}) {
       std::array<std::byte, natnet::kHeaderSize> bytes;
       EXPECT_EQ(natnet::EncodePacket({id, {}}, bytes), bytes.size());
-      rig_->Receive(bytes, [this](std::span<const std::byte> reply) { Take(reply); });
+      rig_->Receive(bytes, [this](std::span<const std::byte> reply) { Accept(reply); });
     }
   }
 
@@ -306,7 +306,7 @@ class Staged final : Receiver {
     std::vector<std::optional<rig::Placed>> props;
     for (const auto& spec : specs_) props.push_back(player::PlaceOf(spec, rig::WristsOf(pose)));
     rig_->Encode({index_, static_cast<double>(index_) / 60, {&pose, 1}, {&pose, 1}, props},
-                 [this](std::span<const std::byte> datagram) { Take(datagram); });
+                 [this](std::span<const std::byte> datagram) { Accept(datagram); });
     ++index_;
     fake_.Work();
     fake_.clock.now_ns += 16'666'667;
@@ -315,9 +315,9 @@ class Staged final : Receiver {
   }
 
  private:
-  void Take(std::span<const std::byte> datagram) {
+  void Accept(std::span<const std::byte> datagram) {
     outbox_.Open(*this, -1);
-    translator_->Take(datagram, peer_, fake_.clock.now_ns, outbox_);
+    translator_->Accept(datagram, peer_, fake_.clock.now_ns, outbox_);
     outbox_.Close();
   }
   void OnFrames(int source, std::span<const SourceFrame> frames, bool more) override {
@@ -550,7 +550,7 @@ TEST_F(PropsOfAClip, AHeldSwordStaysInTheStyledHandAndAChairWhereItStands) {
       EXPECT_LT(drift.cm, 1) << what;
       EXPECT_LT(drift.degrees, 1) << what;
     }
-    // What the dumbest method, the captured pose, would do.
+    // The result of the simplest method, the captured pose.
     float worst_cm = 0, mean_cm = 0;
     for (std::size_t i = 0; i < source.size(); ++i) {
       // Centimetres are the clip's unit.

@@ -54,7 +54,7 @@ TEST(RequestSize, WhatIsNoMessageIsCounted) {
   EXPECT_EQ(SizeOfRequest({}).beside_file, 0U);
 }
 
-// What passes takes memory in proportion; what would not is refused before it is parsed.
+// Accepted requests use memory in proportion; refused ones are refused before they are parsed.
 TEST(RequestSize, WhatPassesTakesMemoryInProportion) {
   const std::string clip(4 << 20, 'x');
   for (const int entries : {30'000, 2'000'000}) {

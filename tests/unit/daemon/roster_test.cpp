@@ -1,4 +1,4 @@
-#include "daemon/pipeline/roster.h"
+#include "daemon/perform/roster.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ TEST(RosterFindTest, EverybodyIsFoundInAnyOrderAndNobodyElse) {
   }
 }
 
-// Who is known to a daemon whose table has room for 8 profiles, 2 of them live.
+// The performers known to a daemon whose table has room for 8 profiles, 2 of them live.
 class RosterTest : public testing::Test {
  protected:
   RosterTest() { Start(); }
@@ -102,7 +102,7 @@ class RosterTest : public testing::Test {
     clock_.now_ns += static_cast<std::int64_t>(hours * static_cast<double>(kHour_ns));
     Work();
   }
-  // Who is live leaves.
+  // A live performer leaves.
   void Silence() { Pass(0.1); }
   void Send(support::Rig& rig, bool frame = true) {
     std::vector<support::Bytes> datagrams{rig.Body()};
@@ -275,7 +275,7 @@ TEST_F(RosterTest, APreparedShowSurvivesADayAndARestart) {
   EXPECT_EQ(Known()["rig.anna"], "style3");
   Come("anna");
   EXPECT_EQ(Known()["rig.anna"], "style3");
-  // From now on for good, although nobody sets anything again.
+  // From now on for good, although no client sets anything again.
   Silence();
   Restart();
   Pass(1000);
@@ -304,8 +304,9 @@ TEST_F(RosterTest, TheWeekBeginsAnewWithASettingByNameAndNotByAll) {
   EXPECT_TRUE(Knows("rig.b"));
 }
 
-// Whoever names, pins and comes in whatever order: who comes is in, as long as fewer than two
-// others are on the floor and not all of the table is pinned by people who came.
+// Performers are named, pinned and arrive in any order: a newcomer is admitted as long as fewer
+// than two others are on the floor and the table is not full of pinned performers who have been
+// there.
 TEST_F(RosterTest, WhateverIsNamedWhoComesIsIn) {
   std::mt19937 random(3);
   std::set<std::string> pinned;

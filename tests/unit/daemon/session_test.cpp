@@ -1,11 +1,11 @@
-#include "daemon/pipeline/session.h"
+#include "daemon/decide/session.h"
 
 #include <gtest/gtest.h>
 
 #include "daemon/runtime/schedule.h"
 #include "tests/support/units.h"
 
-namespace styled::pipeline {
+namespace styled::decide {
 namespace {
 
 using Arrival = Session::Arrival;
@@ -74,7 +74,7 @@ TEST(SessionTest, WhoCountsFromElsewhereIsTakenAfterASilenceAndAFewInARow) {
     Session session;
     (void)session.Admit(kSender, 1, 0, 0, kRules);
     for (std::uint64_t i = 1; i < 500; ++i) (void)session.Admit(kSender, 1, i, 0, kRules);
-    // The sender goes on from `start` under the same session id, 8 ms apart.
+    // The sender continues from `start` under the same session id, 8 ms apart.
     int refused = 0;
     std::int64_t now_ns = 0;
     auto arrival = Arrival::kDuplicate;
@@ -197,4 +197,4 @@ TEST(ScheduleTest, ALongerWayThatStaysBecomesTheSchedule) {
 }
 
 }  // namespace
-}  // namespace styled::pipeline
+}  // namespace styled::decide

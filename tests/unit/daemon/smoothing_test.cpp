@@ -1,4 +1,4 @@
-#include "daemon/pipeline/performer/smoothing.h"
+#include "daemon/perform/performer/smoothing.h"
 
 #include <gtest/gtest.h>
 

@@ -111,7 +111,7 @@ TEST(StyleFile, AHostileFileTakesMemoryTimeAndDiskInProportion) {
     EXPECT_LE(written.size(), 2 * text.size() + 1024);
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
     if (written.empty()) continue;
-    // What this daemon wrote is read again, wherever its code is a network's.
+    // A file that this daemon wrote can be read again, for any network's code.
     if (written.size() > kMaxStyleFileBytes) continue;
     EXPECT_EQ(Refusal(written), "");
   }

@@ -47,9 +47,9 @@ struct Letters final : ServerTranslator {
     is_ready = false;
   }
   bool ready() const override { return is_ready; }
-  std::string TakeFault() override { return std::exchange(fault, {}); }
-  void Take(std::span<const std::byte> record, const Peer& peer, std::int64_t,
-            Outbox& out) override {
+  std::string NextFault() override { return std::exchange(fault, {}); }
+  void Handle(std::span<const std::byte> record, const Peer& peer, std::int64_t,
+              Outbox& out) override {
     const std::string text(reinterpret_cast<const char*>(record.data()) + 1, record.size() - 1);
     taken.push_back(text);
     is_ready = true;
@@ -141,10 +141,10 @@ TEST_F(TcpClientTest, IsRefusedWithWhatWasExpected) {
   };
   EXPECT_EQ(refused("127.0.0.1", "0.0.0.0:0"), "");
   EXPECT_EQ(refused("qtm.local", "0.0.0.0:0"),
-            "server: \"qtm.local\"; expected an IPv4 address, or one and a port, e.g. "
+            "server: \"qtm.local\"; expected an IPv4 address, or an address and a port, e.g. "
             "\"192.168.1.10:22223\"");
   EXPECT_EQ(refused("127.0.0.1", "[::1]:0"),
-            "tcp [::1]:0: expected an IPv4 address, as the server's is");
+            "tcp [::1]:0: expected an IPv4 address, like the server's");
 }
 
 TEST_F(TcpClientTest, TakesRecordsWhereverTheirSegmentsEndAndAnswers) {
@@ -167,7 +167,7 @@ TEST_F(TcpClientTest, TakesRecordsWhereverTheirSegmentsEndAndAnswers) {
 }
 
 TEST_F(TcpClientTest, ComesBackAfterASecondThenLessOften) {
-  listener_ = Descriptor();  // nobody listens there
+  listener_ = Descriptor();  // no program listens there
   const auto attempts = [this](double seconds) {
     int made = 0;
     for (int i = 0; i < static_cast<int>(seconds * 10); ++i) {

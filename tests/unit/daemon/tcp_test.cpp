@@ -71,7 +71,8 @@ class TcpTest : public testing::Test, public Receiver {
     ASSERT_TRUE(made.ok()) << made.status().message();
     transport_ = std::move(made.value());
   }
-  // Until nothing is left to do; loopback delivers at once, but for what a busy kernel holds back.
+  // Until nothing is left to do; loopback delivers at once, except for segments that a busy kernel
+  // delays.
   void Work() {
     for (int idle = 0; idle < 2;) {
       pollfd ready{transport_->fd(), POLLIN, 0};
@@ -278,16 +279,16 @@ TEST_F(TcpTest, MvnsConnectionsMeetTheSameRules) {
 TEST(NoteLimit, LetsABurstThroughThenOneASecondAndTellsForHowMany) {
   NoteLimit limit(3);
   std::int64_t now_ns = 7 * kSecond_ns;
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(limit.Take(now_ns), 1U);
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(limit.Take(now_ns), 0U);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(limit.Handle(now_ns), 1U);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(limit.Handle(now_ns), 0U);
   now_ns += kSecond_ns - 1;
-  EXPECT_EQ(limit.Take(now_ns), 0U);
+  EXPECT_EQ(limit.Handle(now_ns), 0U);
   now_ns += 1;
-  EXPECT_EQ(limit.Take(now_ns), 12U);
-  EXPECT_EQ(limit.Take(now_ns), 0U);
+  EXPECT_EQ(limit.Handle(now_ns), 12U);
+  EXPECT_EQ(limit.Handle(now_ns), 0U);
   now_ns += 100 * kSecond_ns;
-  EXPECT_EQ(limit.Take(now_ns), 2U);
-  EXPECT_EQ(limit.Take(now_ns), 1U);
+  EXPECT_EQ(limit.Handle(now_ns), 2U);
+  EXPECT_EQ(limit.Handle(now_ns), 1U);
   EXPECT_EQ(Times(1), "");
   EXPECT_EQ(Times(12), " (12 times)");
 }

@@ -42,7 +42,7 @@ struct Stage {
     worn.Measure(body::Pose(), now_ns, devices);
     outcome = devices.Reset(now_ns, worn.TrueStance());
   }
-  // The pose that comes of it, in the performer's own space.
+  // The resulting pose, in the performer's own space.
   body::Pose Solve(const body::Pose& pose) {
     for (int i = 0; i < 2; ++i) worn.Measure(pose, now_ns += 20 * kMs, devices);
     body::Pose found;
@@ -143,12 +143,12 @@ TEST(Devices, ThatTellOnlyAPlaceMoveWhatTheyAreOn) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const Quat none(kNan, kNan, kNan, kNan);
   const Vec3 at(0.4F, 1.49F, -1.29F);
-  stage.devices.Take(body::kHead, 0, at, none);
+  stage.devices.Add(body::kHead, 0, at, none);
   stage.Calibrate();
   body::Pose found;
   const Worn& worn = stage.worn;
   for (int i = 0; i < 2; ++i) {
-    stage.devices.Take(body::kHead, stage.now_ns += 20 * kMs, at + Vec3(0, -0.08F, 0.25F), none);
+    stage.devices.Add(body::kHead, stage.now_ns += 20 * kMs, at + Vec3(0, -0.08F, 0.25F), none);
     worn.Measure({}, stage.now_ns, stage.devices);
   }
   ASSERT_TRUE(stage.devices.Solve(stage.now_ns, found));
@@ -164,8 +164,8 @@ TEST(Devices, AreNotDisturbedByWhatIsOutOfReachOrInOnePlace) {
     for (int i = 0; i < 2; ++i) {
       stage.now_ns += 20 * kMs;
       for (const int part : kSix) {
-        stage.devices.Take(body::Joint(part), stage.now_ns,
-                           Vec3(far * static_cast<float>(part), 0, 0), Quat::Identity());
+        stage.devices.Add(body::Joint(part), stage.now_ns,
+                          Vec3(far * static_cast<float>(part), 0, 0), Quat::Identity());
       }
     }
     ASSERT_TRUE(stage.devices.Solve(stage.now_ns, found));

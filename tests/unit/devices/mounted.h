@@ -42,13 +42,13 @@ class Worn {
             Vec3(0.4F, 0, -1.3F),
         room * world.rotations[part] * part_from_device_[i]};
   }
-  // What the devices measure of a pose goes to the solver.
+  // Passes the devices' measurements of a pose to the solver.
   void Measure(const body::Pose& pose, std::int64_t now_ns, Devices& devices) const {
     body::WorldPose world;
     body::ForwardKinematics(pose, world);
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       const Reading reading = Read(i, world);
-      devices.Take(body::Joint(parts_[i]), now_ns, reading.position_m, reading.rotation);
+      devices.Add(body::Joint(parts_[i]), now_ns, reading.position_m, reading.rotation);
     }
   }
   std::vector<Seen> See(const body::Pose& pose) const {

@@ -1,4 +1,4 @@
-#include "clients/cpp/doctor/address.h"
+#include "clients/doctor/address.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "clients/cpp/doctor/capture.h"
+#include "clients/doctor/capture.h"
 
 #include <gtest/gtest.h>
 

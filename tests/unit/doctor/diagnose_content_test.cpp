@@ -6,7 +6,7 @@ namespace {
 
 class ContentTest : public ::testing::Test {
  protected:
-  // No daemon; a source of `type` where `what` arrives. Codes but for no_daemon.
+  // No daemon; a source of `type` where `what` arrives. Codes except for no_daemon.
   std::string CodesOf(const std::string& type, const std::vector<Sniffed>& what) {
     machine_ = Machine();
     machine_.NoDaemon();
@@ -173,7 +173,7 @@ TEST_F(ContentTest, WhatAnotherSourceMayHaveCausedIsNotLaidToThisOne) {
 
 TEST_F(ContentTest, TwoPhonesOnOnePortAreToldToTakeTwoSources) {
   SourceFacts& phone = machine_.InDaemon("livelinkface", "0.0.0.0:11111", 360, "phone");
-  phone.wanted.merge_into = "stage.anna";
+  phone.expected.merge_into = "stage.anna";
   machine_.InDaemon("udp", "127.0.0.1:7000", 360, "stage");
   machine_.LivePerformer("stage.anna");
   machine_.Grow("publish.subscriptions", 1);
@@ -190,7 +190,7 @@ TEST_F(ContentTest, TwoPhonesOnOnePortAreToldToTakeTwoSources) {
 
 TEST_F(ContentTest, TheCureForAFaceNamesWhoGetsIt) {
   machine_.InDaemon("udp", "127.0.0.1:7000", 360, "stage");
-  machine_.InDaemon("udp", "127.0.0.1:7010", 0, "other");  // else nobody is told of the phone
+  machine_.InDaemon("udp", "127.0.0.1:7010", 0, "other");  // otherwise the phone is not mentioned
   machine_.LivePerformer("stage.anna");
   machine_.Grow("publish.subscriptions", 1);
   const auto smile = What(Format::kLiveLinkFace, Verdict::kPose, "facial expressions");
@@ -206,15 +206,15 @@ TEST_F(ContentTest, WhoSendsNoBodyIsToldToNameThePerformer) {
   EXPECT_EQ(machine_.Codes(), "problem no_frames gloves");
   EXPECT_NE(machine_.First().change.find("merge_into = \"SOURCE.NAME\""), std::string::npos)
       << machine_.First().change;
-  gloves.wanted.merge_into = "stage.anna";
+  gloves.expected.merge_into = "stage.anna";
   EXPECT_EQ(machine_.Codes(), "");
 }
 
 TEST_F(ContentTest, ThePhoneThatIsAskedAlreadyIsNotToBeSetAgain) {
   SourceFacts& phone = machine_.InDaemon("ifacialmocap", "0.0.0.0:49983", 0, "phone");
-  phone.wanted.merge_into = "stage.anna";
+  phone.expected.merge_into = "stage.anna";
   EXPECT_NE(machine_.First().change.find("set `server`"), std::string::npos);
-  phone.wanted.server = "192.0.2.20";
+  phone.expected.server = "192.0.2.20";
   EXPECT_EQ(machine_.First().change.find("set `server`"), std::string::npos);
   EXPECT_NE(machine_.First().change.find("asks the phone at 192.0.2.20"), std::string::npos)
       << machine_.First().change;

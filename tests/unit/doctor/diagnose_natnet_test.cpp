@@ -39,7 +39,7 @@ TEST_F(NatNetDiagnoseTest, SkeletonsOnTheRightInterfaceAreWell) { EXPECT_EQ(Code
 
 TEST_F(NatNetDiagnoseTest, AServerThatIsNotNamedIsAskedFor) {
   answers() = NatNetAnswers();
-  answers().error = "server: \"\" is no IPv4 address";
+  answers().error = "server: \"\" is not an IPv4 address";
   EXPECT_EQ(Code(), "natnet_no_server");
 }
 
@@ -67,7 +67,7 @@ TEST_F(NatNetDiagnoseTest, AModelThatDoesNotComeOrCannotBeReadIsSaid) {
   EXPECT_EQ(machine_.Findings()[1].why, "Its model could not be read.");
   answers().model_answered = false;
   EXPECT_EQ(Code(), "no_skeleton");
-  EXPECT_EQ(machine_.Findings()[1].why, "It was asked for its model, and did not answer.");
+  EXPECT_EQ(machine_.Findings()[1].why, "It did not answer the request for its model.");
 }
 
 TEST_F(NatNetDiagnoseTest, FramesWithoutSkeletonsAreSaid) {

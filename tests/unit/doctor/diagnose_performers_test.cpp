@@ -10,7 +10,7 @@ struct PerformersTest : ::testing::Test {
     machine.InDaemon("udp", "0.0.0.0:7000", 360);
     machine.LivePerformer("suit.b");
   }
-  // A row of the status before and after; `refused` and `published` grow by so much.
+  // A row of the status before and after; `refused` and `published` grow by these numbers.
   v1::PerformerStats& Add(const std::string& id, std::uint64_t refused, std::uint64_t published) {
     auto& before = *machine.facts.daemon.before.mutable_stats()->add_performers();
     before.set_performer(id);
@@ -38,7 +38,8 @@ TEST_F(PerformersTest, WhoIsRefusedBesideALiveOneIsAProblemWithItsReason) {
   const auto found = Of("performer_refused");
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::kProblem);
-  EXPECT_NE(found[0].what.find("suit.a: 360 datagrams came and no frame left"), std::string::npos)
+  EXPECT_NE(found[0].what.find("suit.a: 360 datagrams arrived and no frame left"),
+            std::string::npos)
       << found[0].what;
   EXPECT_NE(found[0].what.find("far ahead"), std::string::npos);
 }

@@ -31,7 +31,7 @@ TEST_F(QtmDiagnoseTest, AStreamOfSkeletonsIsWell) { EXPECT_EQ(Found().code, "");
 
 TEST_F(QtmDiagnoseTest, AServerThatIsNotNamedIsAskedFor) {
   answers() = QtmAnswers();
-  answers().error = "server: \":22223\" is no IPv4 address";
+  answers().error = "server: \":22223\" is not an IPv4 address";
   EXPECT_EQ(Found().code, "qtm_no_server");
 }
 
@@ -45,12 +45,12 @@ TEST_F(QtmDiagnoseTest, OneThatCannotBeReachedIsSaidWithWhatToDo) {
 }
 
 TEST_F(QtmDiagnoseTest, AnotherProgramAndAFullOneAreToldApart) {
-  answers() = QtmAnswers{.server = {"192.0.2.7", 22223}, .connected = true, .said = "SSH-2.0"};
+  answers() = QtmAnswers{.server = {"192.0.2.7", 22223}, .connected = true, .text = "SSH-2.0"};
   EXPECT_EQ(Found().code, "qtm_no_greeting");
   EXPECT_EQ(Found().why, "It sent: SSH-2.0");
-  answers().said = "Connection refused. Max number of clients reached.";
+  answers().text = "Connection refused. Max number of clients reached.";
   EXPECT_EQ(Found().code, "qtm_full");
-  answers().said.clear();
+  answers().text.clear();
   EXPECT_EQ(Found().why, "It sent nothing.");
 }
 
@@ -60,9 +60,9 @@ TEST_F(QtmDiagnoseTest, VersionSkeletonsAndMeasurementAreFollowedInOrder) {
   EXPECT_TRUE(Says(Found().what, "sees no skeleton"));
   answers().frames = 0;
   EXPECT_EQ(Found().code, "nothing_arrives");
-  EXPECT_EQ(Found().why, "None came in 3 s.");
+  EXPECT_EQ(Found().why, "None arrived in 3 s.");
   answers().no_measurement = true;
-  EXPECT_EQ(Found().why, "It says that there are no data.");
+  EXPECT_EQ(Found().why, "It reports that there is no data.");
   answers().skeletons = 0;
   EXPECT_EQ(Found().code, "no_skeleton");
   EXPECT_TRUE(Says(Found().what, "has no skeleton"));

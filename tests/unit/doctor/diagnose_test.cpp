@@ -1,5 +1,5 @@
 // Steps daemon, port, arrival and subscribers.
-#include "clients/cpp/doctor/counter_words.h"
+#include "clients/doctor/counter_words.h"
 #include "tests/unit/doctor/facts.h"
 
 namespace styled::doctor::testing {
@@ -57,7 +57,7 @@ TEST_F(DiagnoseTest, OfADaemonOnAnotherMachineOnlyCountersAreJudged) {
 TEST_F(DiagnoseTest, APortInForeignHandsIsNamedWithItsHolder) {
   machine_.NoDaemon();
   SourceFacts& source = machine_.Configured("mvn", "0.0.0.0:9763");
-  source.port->kind = PortState::Kind::kTaken;
+  source.port->kind = PortState::Kind::kInUse;
   source.holders = {{false, {"0.0.0.0", 9763}, 5, 0, 0, 321, "OtherReceiver"}};
   EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem port_taken suit");
   const std::string what = machine_.Findings()[1].what;
@@ -189,7 +189,7 @@ TEST_F(DiagnoseTest, ARuleThatMayDropIsSaidBesideTheSilence) {
   EXPECT_NE(machine_.First().why.find("ip filter ufw: reject"), std::string::npos);
 }
 
-// Loopback, a tunnel: what arrives contradicts the rules.
+// Loopback, a tunnel: the arriving datagrams contradict the rules.
 TEST_F(DiagnoseTest, WhereDatagramsArriveNoFirewallIsBlamed) {
   machine_.InDaemon("mvn", "0.0.0.0:9763", 180).firewall = {Firewall::Verdict::kDropped, "rule"};
   machine_.LivePerformer("suit.anna");
@@ -199,7 +199,7 @@ TEST_F(DiagnoseTest, WhereDatagramsArriveNoFirewallIsBlamed) {
 
 TEST_F(DiagnoseTest, AFormatThatNobodyWantsIsOfferedASource) {
   machine_.NoDaemon();
-  facts_.sources.emplace_back().wanted = AssumedSources()[0];
+  facts_.sources.emplace_back().expected = AssumedSources()[0];
   facts_.heard = {MvnTo("192.0.2.1:9763")};
   EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem no_source");
   EXPECT_NE(machine_.Findings()[1].change.find("type = \"mvn\"  listen = \"0.0.0.0:9763\""),
@@ -330,7 +330,7 @@ TEST_F(DiagnoseTest, NoSourceThatReceivesNothingIsWell) {
 TEST_F(DiagnoseTest, ASenderIsAskedForTheProtocolOfTheSource) {
   for (const char* type : {"mvn", "mvn-tcp", "udp", "tcp"}) {
     Machine machine;
-    const bool stream = machine.InDaemon(type, "0.0.0.0:27002", 0).wanted.stream;
+    const bool stream = machine.InDaemon(type, "0.0.0.0:27002", 0).expected.stream;
     const std::string change = machine.First().change;
     EXPECT_NE(change.find(stream ? "port 27002 (TCP)" : "port 27002 (UDP)"), std::string::npos);
     EXPECT_EQ(change.find(stream ? "UDP" : "TCP"), std::string::npos) << change;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/cpp/doctor/diagnose.h"
+#include "clients/doctor/diagnose.h"
 
 // Facts put together by hand, for tests of Diagnose().
 namespace styled::doctor::testing {
@@ -46,11 +46,11 @@ class Machine {
     facts.daemon.state = DaemonFacts::State::kAnswers;
   }
 
-  // In the daemon, which receives so much of it.
+  // In the daemon, which receives this many datagrams.
   SourceFacts& InDaemon(const std::string& type, const std::string& listen, std::uint64_t received,
                         const std::string& name = "suit") {
     SourceFacts& source = facts.sources.emplace_back();
-    source.wanted = MakeWanted(Wanted::Origin::kDaemon, name, type, listen);
+    source.expected = MakeExpected(ExpectedSource::Origin::kDaemon, name, type, listen);
     source.in_daemon = true;
     source.received = received;
     return source;
@@ -60,9 +60,9 @@ class Machine {
                           const std::string& name = "suit") {
     facts.from_file = true;
     SourceFacts& source = facts.sources.emplace_back();
-    source.wanted = MakeWanted(Wanted::Origin::kConfig, name, type, listen);
-    source.port =
-        PortState{source.wanted.stream, source.wanted.listen.port, PortState::Kind::kHeard, {}, ""};
+    source.expected = MakeExpected(ExpectedSource::Origin::kConfig, name, type, listen);
+    source.port = PortState{
+        source.expected.stream, source.expected.listen.port, PortState::Kind::kHeard, {}, ""};
     return source;
   }
   void NoDaemon() { facts.daemon.state = DaemonFacts::State::kSilent; }

@@ -1,6 +1,6 @@
 // Rulesets as nft 1.0.6 printed them (nft --json list ruleset): one written for nft by hand, one
 // that iptables-nft made.
-#include "clients/cpp/doctor/firewall.h"
+#include "clients/doctor/firewall.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // On real sockets of this machine's loopback.
-#include "clients/cpp/doctor/probe.h"
+#include "clients/doctor/probe.h"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -57,7 +57,7 @@ TEST_F(ProbeTest, LoopbackIsListed) {
 TEST_F(ProbeTest, APortThatIsHeldEverywhereIsTaken) {
   const Bound other("0.0.0.0");
   const PortState state = probe_.Open(false, other.port, false);
-  EXPECT_EQ(state.kind, PortState::Kind::kTaken);
+  EXPECT_EQ(state.kind, PortState::Kind::kInUse);
 }
 
 TEST_F(ProbeTest, BesideAPortHeldOnOneAddressTheOthersAreHeard) {
@@ -77,7 +77,7 @@ TEST_F(ProbeTest, DatagramsAreHeardWithBothEndsInterfaceAndFormat) {
   const std::uint16_t port = FreePort();
   ASSERT_EQ(probe_.Open(false, port, false).kind, PortState::Kind::kHeard);
   const Bound sender("127.0.0.1");
-  // Two addresses of loopback: the target is told apart though the socket is bound to all.
+  // Two addresses of loopback: the target is distinguished though the socket is bound to all.
   for (int i = 0; i < 200; ++i) {
     Send(sender.fd.get(), {"127.0.0.1", port}, mvn::testing::Quaternions());
   }

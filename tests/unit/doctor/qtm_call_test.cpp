@@ -1,5 +1,5 @@
 // A QTM that is only a socket of this machine's loopback.
-#include "clients/cpp/doctor/qtm_call.h"
+#include "clients/doctor/qtm_call.h"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -27,7 +27,7 @@ class QtmCallTest : public ::testing::Test {
     pollfd waiting{fd, POLLIN, 0};
     EXPECT_EQ(poll(&waiting, 1, 5000), 1);
   }
-  // What the call asks then.
+  // The requests of the call after that.
   std::string AskedAfter(const qtm::testing::Bytes& packet) {
     EXPECT_EQ(send(server_.get(), packet.data(), packet.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(packet.size()));

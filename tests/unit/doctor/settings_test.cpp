@@ -1,4 +1,4 @@
-#include "clients/cpp/doctor/settings.h"
+#include "clients/doctor/settings.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -87,22 +87,23 @@ TEST_F(SettingsTest, AFileWithoutSourcesHasTheDaemonsOwn) {
 TEST_F(SettingsTest, TypesListenWhereTheDaemonHasThem) {
   int known = 0;
   for (const auto& type : rigs::kSourceTypes) {
-    const auto wanted = MakeWanted(Wanted::Origin::kConfig, "rig", std::string(type.name), "");
+    const auto expected =
+        MakeExpected(ExpectedSource::Origin::kConfig, "rig", std::string(type.name), "");
     if (type.usb) {
-      EXPECT_FALSE(wanted.network) << type.name;
+      EXPECT_FALSE(expected.network) << type.name;
       continue;
     }
     ++known;
-    EXPECT_NE(wanted.format, Format::kUnknown) << type.name;
-    EXPECT_EQ(wanted.stream, type.stream) << type.name;
-    EXPECT_EQ(TypeFor(wanted.format, type.stream), type.name);
+    EXPECT_NE(expected.format, Format::kUnknown) << type.name;
+    EXPECT_EQ(expected.stream, type.stream) << type.name;
+    EXPECT_EQ(TypeFor(expected.format, type.stream), type.name);
     if (type.usual_address.empty()) continue;
-    EXPECT_EQ(ToString(wanted.listen), type.usual_address);
+    EXPECT_EQ(ToString(expected.listen), type.usual_address);
   }
   EXPECT_EQ(known, 13);
   std::vector<config::Source> assumed;
-  for (const auto& wanted : AssumedSources()) {
-    assumed.push_back({wanted.name, wanted.type, ToString(wanted.listen)});
+  for (const auto& expected : AssumedSources()) {
+    assumed.push_back({expected.name, expected.type, ToString(expected.listen)});
   }
   EXPECT_EQ(assumed, config::Config().sources);
 }
@@ -112,10 +113,10 @@ TEST_F(SettingsTest, ListenTakesATypeAndAnAddress) {
        {"", "mvn", "mvn=", "mvn=9763", "suit=0.0.0.0:9763", "mvn=localhost:9763", "=1.2.3.4:5"}) {
     EXPECT_FALSE(ParseListen(text).ok()) << text;
   }
-  const auto wanted = ParseListen("vmc=0.0.0.0:39540");
-  ASSERT_TRUE(wanted.ok()) << wanted.status().message();
-  EXPECT_EQ(wanted.value().format, Format::kVmc);
-  EXPECT_EQ(ToString(wanted.value().listen), "0.0.0.0:39540");
+  const auto expected = ParseListen("vmc=0.0.0.0:39540");
+  ASSERT_TRUE(expected.ok()) << expected.status().message();
+  EXPECT_EQ(expected.value().format, Format::kVmc);
+  EXPECT_EQ(ToString(expected.value().listen), "0.0.0.0:39540");
 }
 
 }  // namespace

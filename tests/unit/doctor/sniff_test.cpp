@@ -1,6 +1,6 @@
 // Names of datagrams. Bytes are those that the codecs' own tests were written with by hand, and
 // real ones of mocopi and NatNet where they are at hand.
-#include "clients/cpp/doctor/sniff.h"
+#include "clients/doctor/sniff.h"
 
 #include <gtest/gtest.h>
 
@@ -105,9 +105,9 @@ TEST_F(SniffTest, WhatNobodyTakesIsForeignAndDescribed) {
           foreign("a mixer's OSC",
                   vmc::testing::S("/ch/01/mix/fader") + vmc::testing::S(",fff") +
                       vmc::testing::Floats({1, 2, 3}),
-                  "OSC, but no VMC: /ch/01/mix/fader"),
+                  "OSC, but not VMC: /ch/01/mix/fader"),
           foreign("half of OSC", ToBytes("/foo"), "damaged OSC"),
-          foreign("Axis Studio", noitom, "Noitom Axis Studio (binary BVH), which is not taken"),
+          foreign("Axis Studio", noitom, "Noitom Axis Studio (binary BVH), which is not supported"),
           foreign("a name server's question", dns, "bytes 1A 2B 01 00"),
           foreign("zeros", Bytes(8), "bytes 00 00 00 00")});
 }

@@ -1,11 +1,11 @@
-#include "clients/cpp/doctor/sockets.h"
+#include "clients/doctor/sockets.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
 
-#include "clients/cpp/doctor/listener.h"
+#include "clients/doctor/listener.h"
 
 namespace styled::doctor {
 namespace {

@@ -1,4 +1,4 @@
-#include "clients/cpp/doctor/traffic.h"
+#include "clients/doctor/traffic.h"
 
 #include <gtest/gtest.h>
 

@@ -173,7 +173,7 @@ float Largest(const Legs& legs, const PoseAt& at, int from, int to) {
   return most;
 }
 
-// A style that takes its foot up while the performer's still stands is let go, not torn off.
+// A style that lifts its foot while the performer's still stands is released smoothly.
 TEST_F(FeetTest, AFootThatTheStyleSwingsIsNotHeld) {
   const PoseAt stands = [this](double) { return walker.At(0.33); };
   const PoseAt swings = [this](double t) {
@@ -427,7 +427,7 @@ TEST_F(FeetTest, AFootThatRollsOverItsTipIsNotThrown) {
   EXPECT_LT(Largest(legs, Played(out, 120), 10, 600), 250);
 }
 
-// Who stands with both knees bent by `bend_rad`, the hips `hips_m` above the floor.
+// A performer who stands with both knees bent by `bend_rad`, the hips `hips_m` above the floor.
 rig::RigPose Standing(const rig::Binding& binding, float bend_rad, float hips_m) {
   rig::RigPose pose(binding.skeleton());
   pose.translations[0].y() = hips_m;

@@ -38,7 +38,7 @@ class ArmStream final : public net::ClipStream {
   ArmStream(float angle_rad, std::size_t frames) : angle_rad_(angle_rad), frames_(frames) {}
   void Add(const body::Pose& pose) override { poses_.push_back(pose); }
   void End() override { ended_ = true; }
-  bool Take(net::Prediction& out) override {
+  bool Pop(net::Prediction& out) override {
     if (!ended_ || taken_ == poses_.size()) return false;
     const body::Pose& pose = poses_[taken_++];
     out.heading_rad = 0;

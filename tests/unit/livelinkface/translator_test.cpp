@@ -83,7 +83,7 @@ TEST(LiveLinkFaceTranslator, OldFramesAreCountedAndARestartIsANewSession) {
   ASSERT_EQ(next.size(), 1U);
   EXPECT_EQ(next[0].session, first.at(0).session);
   EXPECT_GT(next[0].sequence, first.at(0).sequence);
-  const auto again = Said(translation, Written(Smile(5)));  // the app was started anew
+  const auto again = Said(translation, Written(Smile(5)));  // the app was restarted
   ASSERT_EQ(again.size(), 1U);
   EXPECT_NE(again[0].session, first.at(0).session);
 }

@@ -1,5 +1,5 @@
-"""Manual pages and bash completion say what the programs say to --help; the completion knows the styles and
-performers of the daemon that runs."""
+"""Manual pages and bash completion agree with the programs' --help; the completion knows the styles and
+performers of the running daemon."""
 import functools
 import os
 import re
@@ -51,7 +51,8 @@ def families_of(program):
 
 
 def values(text):
-    """The names of options, and what the help says of their values: type, range or words, default."""
+    """The names of options, and the description of their values in the help: type, range or words,
+    default."""
     return [(re.escape(names.split(',')[-1]), value)
             for names, value in re.findall(r'(?m)^  (-\S+) ((?:TEXT|INT|UINT|FLOAT|BOOLEAN)[:=]\S+)', text)
             if not value.startswith(('FLOAT:FLOAT', 'INT:INT'))]
@@ -69,7 +70,7 @@ done'''
 
 
 def complete_each(lines, environment=None):
-    """What bash would offer for the last word of each line."""
+    """The suggestions of bash for the last word of each line."""
     done = subprocess.run(['bash', '-c', SCRIPT], input='\n'.join(f'{BIN}/{line}' for line in lines) + '\n',
                           capture_output=True, text=True, env=dict(os.environ, **(environment or {})), cwd='/')
     assert done.stderr == '', done.stderr
@@ -114,7 +115,7 @@ class ManTest(unittest.TestCase):
 
 class CommandLineTest(unittest.TestCase):
     def refused(self, *command):
-        """What a program says to a command line that it does not understand."""
+        """The message of a program for an invalid command line."""
         done = subprocess.run([os.path.join(BIN, command[0]), *command[1:]], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout), (2, ''), command)
         return done.stderr

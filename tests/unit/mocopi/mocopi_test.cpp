@@ -66,7 +66,7 @@ TEST(Mocopi, ASkeletonHandPutTogetherIsReadInEveryField) {
   }
 }
 
-// What is written must be the bytes of the grammar, which the table puts together without us.
+// Encoded bytes must be those of the grammar, which the table puts together without our encoder.
 TEST(Mocopi, IsWrittenAsTheGrammarSays) {
   Datagram datagram;
   Bytes out(kFrameSizeWithTimecode);

@@ -189,7 +189,7 @@ TEST(MocopiTranslator, FromTheSecondFrameOnNothingIsAllocated) {
   }
 }
 
-// Not ours: the published sample is somebody's T-pose.
+// Not ours: the published sample is a stranger's T-pose.
 TEST(MocopiTranslator, TheRealOnesFirstFrameStandsInTheTPose) {
   const Bytes skeleton =
       mocopi::testing::ReadRecording("mocopi_sample_skdf.bin", STYLED_DATA_DEFAULT);

@@ -118,7 +118,7 @@ TEST(Mvn, ReadsEulerAnglesAboutXThenYThenZ) {
   EXPECT_FLOAT_EQ(pose.segments[22].position[1], 104.834807F) << "centimetres, as they are";
 }
 
-// What Eigen makes of the angles on the wire is what was to be written, upside down, too.
+// Eigen's rotation of the angles on the wire is the encoded one, upside down, too.
 TEST(Mvn, WritesEulerAnglesOfAnyRotation) {
   std::vector<Segment> segments;
   for (const float x : {-170.0F, -90.0F, 0.0F, 31.0F, 180.0F}) {

@@ -23,7 +23,7 @@ inline void Text(Bytes& out, std::string_view text) {
   for (const char c : text) out.push_back(static_cast<std::byte>(c));
 }
 
-// The header of a real MXTP02 datagram but for the size: sample 0x1A19, time 0x6CBD.
+// The header of a real MXTP02 datagram except for the size: sample 0x1A19, time 0x6CBD.
 inline Bytes Head(std::string_view type, std::uint8_t items, std::uint8_t datagram = 0x80) {
   Bytes out;
   Text(out, "MXTP");
@@ -98,7 +98,7 @@ inline Bytes TimecodeOf(std::string_view text, bool with_length) {
   return Sized(out);
 }
 
-// What the decoder has to live with.
+// Inputs that the decoder has to tolerate.
 inline std::vector<Bytes> Seeds() {
   return {Quaternions(),
           Quaternions(12),

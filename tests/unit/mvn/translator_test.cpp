@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "daemon/source/rigs/mvn.h"
+#include "model/base/crc32c.h"
 #include "proto/rigs/mvn/mvn.h"
 #include "tests/support/translated.h"
 #include "tests/unit/mvn/packets.h"
@@ -84,12 +85,12 @@ TEST(MvnTranslator, PropsAreNamedByTypeThirteenOrCounted) {
       rows.push_back({"", {}});
     }
     for (int i = 0; i < 40; ++i) rows.push_back({"finger", {}});
-    got.Take(sender.Name("Anna"));
-    got.Take(sender.Datagram(mvn::EncodeScale(sender.header, rows, out), out));
+    got.Handle(sender.Name("Anna"));
+    got.Handle(sender.Datagram(mvn::EncodeScale(sender.header, rows, out), out));
     for (int k = 0; k < 2; ++k) {
       ++sender.header.sample;
       sender.header.time_ms += 10;
-      got.Take(sender.Datagram(mvn::EncodePose(sender.header, segments, out), out));
+      got.Handle(sender.Datagram(mvn::EncodePose(sender.header, segments, out), out));
     }
     ASSERT_EQ(got.Frames().size(), 2U);
     const v1::SourceFrame frame = got.Frames()[1];
@@ -105,7 +106,7 @@ TEST(MvnTranslator, PropsAreNamedByTypeThirteenOrCounted) {
     sender.header.props = 1;
     ++sender.header.sample;
     sender.header.time_ms += 10;
-    got.Take(sender.Datagram(mvn::EncodePose(sender.header, segments, out), out));
+    got.Handle(sender.Datagram(mvn::EncodePose(sender.header, segments, out), out));
     ASSERT_EQ(got.Frames().size(), 3U);
     EXPECT_EQ(got.Frames()[2].props_size(), 1);
     EXPECT_EQ(got.Frames()[2].rotations(4 * 24 + 3), 1);
@@ -115,14 +116,14 @@ TEST(MvnTranslator, PropsAreNamedByTypeThirteenOrCounted) {
 
 TEST(MvnTranslator, CountsWhatItCannotReadAndWhatItHasNoUseFor) {
   Translated got(MakeMvn(Config()));
-  got.Take(Bytes(10));
-  got.Take(Bytes(100));
+  got.Handle(Bytes(10));
+  got.Handle(Bytes(100));
   Bytes cut = mvn::testing::Quaternions();
   cut.pop_back();
-  got.Take(cut);
+  got.Handle(cut);
   EXPECT_EQ(got.Count(Counter::kSourceMalformed), 3U);
   Bytes joint_angles = mvn::testing::Head("20", 0);
-  got.Take(joint_angles);
+  got.Handle(joint_angles);
   EXPECT_EQ(got.Count(Counter::kSourceIgnored), 1U);
   EXPECT_TRUE(got.items.empty());
 }
@@ -130,12 +131,12 @@ TEST(MvnTranslator, CountsWhatItCannotReadAndWhatItHasNoUseFor) {
 TEST(MvnTranslator, WaitsForNameAndTPoseThenSendsTheBodyBeforeTheFirstFrame) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Pose());
+  got.Handle(sender.Pose());
   EXPECT_TRUE(got.items.empty()) << "MVN tells name and scale once a second: wait for them";
-  got.Take(sender.Name("Anna B"));
-  got.Take(sender.Scale(0.25F));
-  got.Take(sender.Pose());
-  got.Take(sender.Pose());
+  got.Handle(sender.Name("Anna B"));
+  got.Handle(sender.Scale(0.25F));
+  got.Handle(sender.Pose());
+  got.Handle(sender.Pose());
   ASSERT_EQ(got.items.size(), 3U);
   ASSERT_FALSE(got.items[0].is_frame);
   const v1::Body& body = got.items[0].body;
@@ -146,7 +147,7 @@ TEST(MvnTranslator, WaitsForNameAndTPoseThenSendsTheBodyBeforeTheFirstFrame) {
   EXPECT_FLOAT_EQ(body.offsets(3 * 13), 0.25F) << "from the T-pose, not from the pose";
   EXPECT_FLOAT_EQ(body.metres_per_unit(), 1);
   const std::string bytes = body.SerializeAsString();
-  EXPECT_EQ(got.items[1].frame.body_crc(), native::Crc32c(std::as_bytes(std::span(bytes))));
+  EXPECT_EQ(got.items[1].frame.body_crc(), Crc32c(std::as_bytes(std::span(bytes))));
   EXPECT_EQ(got.items[2].frame.source_time_ns() - got.items[1].frame.source_time_ns(), 10'000'000U);
   EXPECT_FLOAT_EQ(got.items[2].frame.root_position(0), 0.5F);
 }
@@ -154,11 +155,11 @@ TEST(MvnTranslator, WaitsForNameAndTPoseThenSendsTheBodyBeforeTheFirstFrame) {
 TEST(MvnTranslator, TakesTheSkeletonFromThePoseWhereNoTPoseComes) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Pose());
+  got.Handle(sender.Pose());
   EXPECT_EQ(got.Count(Counter::kSourceBeforeRestPose), 1U) << "withheld, and counted";
   EXPECT_TRUE(got.notes.empty());
   got.now_ns += 2 * kSecond_ns;
-  got.Take(sender.Pose());
+  got.Handle(sender.Pose());
   ASSERT_EQ(got.items.size(), 2U);
   ASSERT_EQ(got.notes.size(), 1U);
   EXPECT_NE(got.notes[0].find("neither name (type 12) nor T-pose (type 13)"), std::string::npos);
@@ -167,8 +168,8 @@ TEST(MvnTranslator, TakesTheSkeletonFromThePoseWhereNoTPoseComes) {
   EXPECT_EQ(got.items[0].body.performer(), "stage") << "the source's name, where none is told";
   EXPECT_FLOAT_EQ(got.items[0].body.offsets(3 * 13 + 1), 0.1F);
   // Told after the fact: another body, announced before the frames that belong to it.
-  got.Take(sender.Scale(0.3F));
-  got.Take(sender.Pose());
+  got.Handle(sender.Scale(0.3F));
+  got.Handle(sender.Pose());
   ASSERT_EQ(got.Bodies().size(), 2U);
   EXPECT_FLOAT_EQ(got.Bodies()[1].offsets(3 * 13), 0.3F);
 }
@@ -180,9 +181,9 @@ TEST(MvnTranslator, MakesLocalRotationsOfGlobalOnesAndNoneWhereNothingIsTracked)
   sender.segments[11].rotation = {0, 0, kHalf, kHalf};  // the left shoulder, 90 degrees about z
   sender.segments[12].rotation = {0, 0, -1, 0};         // the arm below it: 180, in the other sign
   sender.segments[16].rotation = {0, 0, 0, 0};          // a knee that is not tracked
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
-  got.Take(sender.Pose());
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
+  got.Handle(sender.Pose());
   ASSERT_EQ(got.Frames().size(), 1U);
   const auto& rotations = got.Frames()[0].rotations();
   EXPECT_NEAR(std::abs(rotations[4 * 12 + 2]), kHalf, 1e-6F);
@@ -200,18 +201,18 @@ TEST(MvnTranslator, MakesLocalRotationsOfGlobalOnesAndNoneWhereNothingIsTracked)
 TEST(MvnTranslator, PutsASplitSampleTogetherAndCountsOneThatLacksAPart) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
   const auto split = [&](int only) {
     mvn::Header header = sender.header;
     header.sample = ++sender.header.sample;
     const std::span<const mvn::Segment> all(sender.segments);
     Bytes out(2000);
     header.last = false;
-    if (only != 1) got.Take(std::span(out).first(mvn::EncodePose(header, all.first(10), out)));
+    if (only != 1) got.Handle(std::span(out).first(mvn::EncodePose(header, all.first(10), out)));
     header.datagram = 1;
     header.last = true;
-    if (only != 0) got.Take(std::span(out).first(mvn::EncodePose(header, all.subspan(10), out)));
+    if (only != 0) got.Handle(std::span(out).first(mvn::EncodePose(header, all.subspan(10), out)));
   };
   split(-1);
   EXPECT_EQ(got.Frames().size(), 1U);
@@ -232,7 +233,7 @@ void SendParts(Translated& got, Sender& sender, std::initializer_list<std::size_
   std::span<const mvn::Segment> rest(sender.segments);
   Bytes out(2000);
   for (const std::size_t count : counts) {
-    got.Take(std::span(out).first(mvn::EncodePose(header, rest.first(count), out)));
+    got.Handle(std::span(out).first(mvn::EncodePose(header, rest.first(count), out)));
     rest = rest.subspan(count);
     if (numbered) ++header.datagram;
   }
@@ -241,8 +242,8 @@ void SendParts(Translated& got, Sender& sender, std::initializer_list<std::size_
 TEST(MvnTranslator, ASampleIsWholeWithAllItsSegmentsThoughNoDatagramIsMarkedAsTheLast) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
   SendParts(got, sender, {23});
   EXPECT_EQ(got.Frames().size(), 1U);
   SendParts(got, sender, {10, 13});
@@ -257,8 +258,8 @@ TEST(MvnTranslator, ASampleIsWholeWithAllItsSegmentsThoughNoDatagramIsMarkedAsTh
 TEST(MvnTranslator, ASampleThatNeverGetsAllItsSegmentsIsCountedAndSaidOnceASecond) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
   for (int i = 0; i < 101; ++i) SendParts(got, sender, {5, 7});
   EXPECT_TRUE(got.Frames().empty());
   EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 100U) << "the last one is at hand";
@@ -270,12 +271,12 @@ TEST(MvnTranslator, ASampleThatNeverGetsAllItsSegmentsIsCountedAndSaidOnceASecon
   EXPECT_NE(got.notes[1].find("(100 times)"), std::string::npos) << got.notes[1];
 }
 
-// Neither sample nor datagram is numbered: each begins anew, none vanishes.
+// Neither sample nor datagram is numbered: each restarts its count, none vanishes.
 TEST(MvnTranslator, PartsThatAreNotNumberedAreCounted) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
   for (int i = 0; i < 10; ++i) {
     SendParts(got, sender, {12, 11}, false);
     --sender.header.sample;
@@ -287,15 +288,15 @@ TEST(MvnTranslator, PartsThatAreNotNumberedAreCounted) {
 TEST(MvnTranslator, WhatTheHeaderDoesNotCountIsNoFaultBehindAWholePose) {
   Translated got(MakeMvn(Config()));
   Sender sender;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
   for (int i = 0; i < 3; ++i) {
     SendParts(got, sender, {23, 0});
     mvn::Header fingers = sender.header;
     fingers.datagram = 2;
     std::array<mvn::Segment, 40> hands;
     Bytes out(2000);
-    got.Take(std::span(out).first(mvn::EncodePose(fingers, hands, out)));
+    got.Handle(std::span(out).first(mvn::EncodePose(fingers, hands, out)));
   }
   EXPECT_EQ(got.Frames().size(), 3U);
   EXPECT_EQ(got.Count(Counter::kSourceIncomplete), 0U);
@@ -306,8 +307,8 @@ TEST(MvnTranslator, FingersThatTheHeaderCountsAreWaitedFor) {
   Translated got(MakeMvn(Config()));
   Sender sender;
   sender.header.finger_segments = 40;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
   SendParts(got, sender, {23});
   EXPECT_TRUE(got.Frames().empty());
   mvn::Header fingers = sender.header;
@@ -315,7 +316,7 @@ TEST(MvnTranslator, FingersThatTheHeaderCountsAreWaitedFor) {
   fingers.last = false;
   std::array<mvn::Segment, 40> hands;
   Bytes out(2000);
-  got.Take(std::span(out).first(mvn::EncodePose(fingers, hands, out)));
+  got.Handle(std::span(out).first(mvn::EncodePose(fingers, hands, out)));
   ASSERT_EQ(got.Frames().size(), 1U);
   EXPECT_EQ(got.Bodies()[0].names_size(), 63);
 }
@@ -324,20 +325,20 @@ TEST(MvnTranslator, ACounterThatJumpsBackIsARestartALittleIsAnOldSample) {
   Translated got(MakeMvn(Config()));
   Sender sender;
   sender.header.sample = 5000;
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.1F));
-  got.Take(sender.Pose());
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.1F));
+  got.Handle(sender.Pose());
   const std::uint32_t newest = sender.header.sample;
-  got.Take(sender.Pose());
+  got.Handle(sender.Pose());
   sender.header.sample = newest - 1;
-  got.Take(sender.Pose());  // as the first one
+  got.Handle(sender.Pose());  // as the first one
   EXPECT_EQ(got.Count(Counter::kPipelineReordered), 1U);
   sender.header.sample = newest;
-  got.Take(sender.Pose());  // as the second one
+  got.Handle(sender.Pose());  // as the second one
   EXPECT_EQ(got.Count(Counter::kPipelineDuplicate), 1U);
   EXPECT_EQ(got.Frames().size(), 2U);
   sender.header.sample = 1;
-  got.Take(sender.Pose());
+  got.Handle(sender.Pose());
   ASSERT_EQ(got.Frames().size(), 3U);
   EXPECT_NE(got.items.back().session, got.items.front().session);
 }
@@ -349,13 +350,13 @@ TEST(MvnTranslator, EveryCharacterIsAPerformerAndNoTwoOfASenderShareAName) {
   second.header.character = 1;
   Sender elsewhere;
   for (auto* sender : {&first, &second}) {
-    got.Take(sender->Name("Suit"));
-    got.Take(sender->Scale(0.1F));
-    got.Take(sender->Pose());
+    got.Handle(sender->Name("Suit"));
+    got.Handle(sender->Scale(0.1F));
+    got.Handle(sender->Pose());
   }
-  got.Take(elsewhere.Name("Suit"), 2);
-  got.Take(elsewhere.Scale(0.1F), 2);
-  got.Take(elsewhere.Pose(), 2);
+  got.Handle(elsewhere.Name("Suit"), 2);
+  got.Handle(elsewhere.Scale(0.1F), 2);
+  got.Handle(elsewhere.Pose(), 2);
   ASSERT_EQ(got.Frames().size(), 3U);
   EXPECT_EQ(got.Frames()[0].performer(), "Suit");
   EXPECT_EQ(got.Frames()[1].performer(), "Suit-2");
@@ -370,9 +371,9 @@ TEST(MvnTranslator, AStreamWithYUpKeepsItsOwnAxes) {
     const auto p = segment.position;
     segment.position = {p[1], p[2], p[0]};
   }
-  got.Take(sender.Name("a"));
-  got.Take(sender.Scale(0.25F));  // always with Z up: along +X, so along +Z here
-  got.Take(sender.Pose());
+  got.Handle(sender.Name("a"));
+  got.Handle(sender.Scale(0.25F));  // always with Z up: along +X, so along +Z here
+  got.Handle(sender.Pose());
   ASSERT_EQ(got.Bodies().size(), 1U);
   EXPECT_FLOAT_EQ(got.Bodies()[0].offsets(3 * 13 + 2), 0.25F);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "model/base/crc32c.h"
 #include "tests/unit/native/decode_cases.h"
 
 namespace styled::native {

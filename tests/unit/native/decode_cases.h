@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/base/crc32c.h"
 #include "proto/rigs/native/datagram.h"
 #include "proto/rigs/native/header.h"
 

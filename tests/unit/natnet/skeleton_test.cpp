@@ -189,37 +189,37 @@ constexpr std::array<float, 4> kGlobalY{0, 9, 9, 9}, kLocalY{9, 9, 0, 9}, kLocal
 TEST(NatNetConventionFinder, KnowsNothingBeforeAFrameTells) {
   NatNetConventionFinder finder("auto", "auto");
   EXPECT_FALSE(finder.known());
-  EXPECT_FALSE(finder.Take({0, 0, 0, 0}));
-  EXPECT_FALSE(finder.Take({4, 5, 6, 7}));
-  EXPECT_FALSE(finder.Take({NAN, NAN, NAN, NAN}));
+  EXPECT_FALSE(finder.Evaluate({0, 0, 0, 0}));
+  EXPECT_FALSE(finder.Evaluate({4, 5, 6, 7}));
+  EXPECT_FALSE(finder.Evaluate({NAN, NAN, NAN, NAN}));
   EXPECT_FALSE(finder.known());
-  EXPECT_TRUE(finder.Take(kLocalZ));
+  EXPECT_TRUE(finder.Evaluate(kLocalZ));
   EXPECT_TRUE(finder.known());
   EXPECT_EQ(finder.convention(), (NatNetConvention{true, true}));
 }
 
 TEST(NatNetConventionFinder, ChangesItsMindAfterTenFramesInARow) {
   NatNetConventionFinder finder("auto", "auto");
-  EXPECT_TRUE(finder.Take(kGlobalY));
-  for (int i = 0; i < 9; ++i) EXPECT_FALSE(finder.Take(kLocalY));
-  EXPECT_FALSE(finder.Take(kGlobalY));
-  for (int i = 0; i < 9; ++i) EXPECT_FALSE(finder.Take(kLocalY));
-  EXPECT_FALSE(finder.Take(kLocalZ)) << "another one: not in a row";
-  for (int i = 0; i < 9; ++i) EXPECT_FALSE(finder.Take(kLocalY));
-  EXPECT_TRUE(finder.Take(kLocalY));
+  EXPECT_TRUE(finder.Evaluate(kGlobalY));
+  for (int i = 0; i < 9; ++i) EXPECT_FALSE(finder.Evaluate(kLocalY));
+  EXPECT_FALSE(finder.Evaluate(kGlobalY));
+  for (int i = 0; i < 9; ++i) EXPECT_FALSE(finder.Evaluate(kLocalY));
+  EXPECT_FALSE(finder.Evaluate(kLocalZ)) << "another one: not in a row";
+  for (int i = 0; i < 9; ++i) EXPECT_FALSE(finder.Evaluate(kLocalY));
+  EXPECT_TRUE(finder.Evaluate(kLocalY));
   EXPECT_EQ(finder.convention(), (NatNetConvention{true, false}));
 }
 
 TEST(NatNetConventionFinder, LeavesAloneWhatIsFixed) {
   NatNetConventionFinder local("local", "auto");
-  EXPECT_TRUE(local.Take({0, 9, 5, 1}));
+  EXPECT_TRUE(local.Evaluate({0, 9, 5, 1}));
   EXPECT_EQ(local.convention(), (NatNetConvention{true, true}));
   NatNetConventionFinder z_up("auto", "z");
-  EXPECT_TRUE(z_up.Take({0, 1, 0, 9}));
+  EXPECT_TRUE(z_up.Evaluate({0, 1, 0, 9}));
   EXPECT_EQ(z_up.convention(), (NatNetConvention{false, true}));
   NatNetConventionFinder all("global", "z");
   EXPECT_TRUE(all.known());
-  EXPECT_FALSE(all.Take(kLocalY));
+  EXPECT_FALSE(all.Evaluate(kLocalY));
   EXPECT_EQ(all.convention(), (NatNetConvention{false, true}));
 }
 

@@ -89,12 +89,12 @@ class Fixture : public ::testing::Test, public Translated {
     translator_->Tick(now_ns, outbox_);
     outbox_.Close();
   }
-  void Take(const Bytes& packet) { Take(packet, peer_); }
-  void Take(const Bytes& packet, const Peer& from) {
+  void Handle(const Bytes& packet) { Handle(packet, peer_); }
+  void Handle(const Bytes& packet, const Peer& from) {
     outbox_.Open(*this, command_.get());
     {
       const support::CountNew count;
-      translator_->Take(packet, from, now_ns, outbox_);
+      translator_->Handle(packet, from, now_ns, outbox_);
       allocations_ = count.calls();
     }
     outbox_.Close();
@@ -165,8 +165,8 @@ class Fixture : public ::testing::Test, public Translated {
   // Everything that leads to poses; nothing of it is kept.
   void Begin(const std::vector<std::string>& names = {"Anna"}) {
     Tick();
-    Take(Info(false));
-    Take(Model(names));
+    Handle(Info(false));
+    Handle(Model(names));
     Asked();
     items.clear();
   }
@@ -202,8 +202,8 @@ TEST_F(NatNetFrames, HaveTheRigidBodiesThatAreTrackedAndBelongToNoSkeleton) {
     Make([z_up](config::Source& config) { config.up = z_up ? "z" : "y"; });
     streaming_ = {false, z_up, z_up};
     Begin({"Anna", "Bert"});
-    Take(Frame(2));
-    Take(Frame(2));
+    Handle(Frame(2));
+    Handle(Frame(2));
     EXPECT_EQ(allocations_, 0);
     const auto frames = Frames();
     ASSERT_EQ(frames.size(), 4U);
@@ -221,7 +221,7 @@ TEST_F(NatNetFrames, HaveTheRigidBodiesThatAreTrackedAndBelongToNoSkeleton) {
     }
   }
   rigid_bodies_.clear();
-  Take(Frame(1));
+  Handle(Frame(1));
   EXPECT_EQ(Frames().back().props_size(), 0) << "gone";
 }
 
@@ -233,7 +233,7 @@ TEST_F(NatNetFrames, HaveSixteenPropsAtMost) {
     rigid_bodies_.push_back({101 + i, {0, 0, 0}, {0, 0, 0, 1}, true});
   }
   Begin();
-  Take(Frame());
+  Handle(Frame());
   ASSERT_EQ(Frames().size(), 1U);
   EXPECT_EQ(Frames()[0].props_size(), 16);
   EXPECT_EQ(counters_.Get(Counter::kPipelinePropsLeftOut), 4U);
@@ -255,11 +255,11 @@ TEST_F(NatNetDialogue, AsksWhoIsThereOnceASecondInBothShapesWhileNobodyAnswers) 
 TEST_F(NatNetDialogue, AsksForTheModelWhenTheServerAnsweredAndAgainUntilItComes) {
   Tick();
   Asked();
-  Take(Info(true));
+  Handle(Info(true));
   EXPECT_EQ(Asked(), Ids{MessageId::kRequestModelDef});
   Pass(1);
   EXPECT_EQ(Asked(), Ids{MessageId::kRequestModelDef});
-  Take(Model({"Anna"}));
+  Handle(Model({"Anna"}));
   Pass(0.5);
   Pass(1);
   EXPECT_EQ(Asked(), Ids{});
@@ -269,7 +269,7 @@ TEST_F(NatNetDialogue, KeepsAServerSendingThatStreamsToEachClient) {
   Begin();
   EXPECT_FALSE(translator_->stream());
   for (int i = 0; i < 3; ++i) {
-    Take(Frame());
+    Handle(Frame());
     Pass(1);
   }
   EXPECT_EQ(Asked(), (Ids{3, MessageId::kKeepAlive}));
@@ -278,12 +278,12 @@ TEST_F(NatNetDialogue, KeepsAServerSendingThatStreamsToEachClient) {
 TEST_F(NatNetDialogue, GoesWhereTheServerStreamsTo) {
   Tick();
   EXPECT_FALSE(translator_->stream());
-  Take(Info(true));
+  Handle(Info(true));
   ASSERT_TRUE(translator_->stream());
   in_addr group{};
   inet_pton(AF_INET, "239.255.42.98", &group);
   EXPECT_EQ(*translator_->stream(), (NatNet::Stream{group, 1511}));
-  Take(Info(false));
+  Handle(Info(false));
   EXPECT_FALSE(translator_->stream());
 }
 
@@ -291,25 +291,25 @@ TEST_F(NatNetDialogue, GoesWhereTheConfigSaysOfAServerThatDoesNotSay) {
   version_ = {2, 9};
   Make([](auto& config) { config.group = "239.255.42.97"; });
   Tick();
-  Take(Info(false));
+  Handle(Info(false));
   ASSERT_TRUE(translator_->stream());
   in_addr group{};
   inet_pton(AF_INET, "239.255.42.97", &group);
   EXPECT_EQ(*translator_->stream(), (NatNet::Stream{group, 1511}));
   Make([](auto& config) { config.multicast = false; });
   Tick();
-  Take(Info(false));
+  Handle(Info(false));
   EXPECT_FALSE(translator_->stream());
 }
 
 TEST_F(NatNetDialogue, AsksAgainWhoIsThereAfterTwoSecondsOfSilence) {
   Begin();
-  Take(Frame());
+  Handle(Frame());
   Pass(1);
   EXPECT_EQ(Asked(), Ids{MessageId::kKeepAlive});
   Pass(1);
   EXPECT_EQ(Asked(), (Ids{MessageId::kConnect, MessageId::kKeepAlive}));
-  Take(Info(false));
+  Handle(Info(false));
   EXPECT_EQ(Asked(), Ids{MessageId::kRequestModelDef});
 }
 
@@ -317,24 +317,24 @@ TEST_F(NatNetDialogue, AsksForTheModelAgainWhenItChangedOrLacksASkeletonButOnceA
   Begin();
   Pass(1);
   Asked();
-  Take(Frame());
+  Handle(Frame());
   EXPECT_EQ(Asked(), Ids{});
   params_ = natnet::kModelsChanged;
-  Take(Frame());
-  Take(Frame());
+  Handle(Frame());
+  Handle(Frame());
   params_ = 0;
   EXPECT_EQ(Asked(), Ids{MessageId::kRequestModelDef});
-  Take(Model({"Anna"}));
+  Handle(Model({"Anna"}));
   Pass(1);
   Asked();
-  Take(Frame(2));
-  Take(Frame(2));
+  Handle(Frame(2));
+  Handle(Frame(2));
   EXPECT_EQ(Asked(), Ids{MessageId::kRequestModelDef});
   EXPECT_EQ(counters_.Get(Counter::kPipelineBeforeBody), 2U);
-  Take(Model({"Anna", "Bert"}));
+  Handle(Model({"Anna", "Bert"}));
   Pass(1);
   Asked();
-  Take(Frame(2));
+  Handle(Frame(2));
   EXPECT_EQ(Asked(), Ids{});
 }
 
@@ -347,15 +347,15 @@ TEST_F(NatNetDialogue, DoesNotAskForeverForASkeletonThatItCannotUse) {
   model.skeletons[1].bones[5].parent = 77;
   Bytes packet(20000);
   packet.resize(natnet::EncodeModel(model, version_, packet));
-  Take(packet);
+  Handle(packet);
   EXPECT_EQ(counters_.Get(Counter::kPipelineBodiesRefused), 1U);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0], "skeleton Bert: 4 of 21 bones are not below one root bone");
-  Take(packet);
+  Handle(packet);
   EXPECT_EQ(notes.size(), 1U) << "said once";
   Pass(1);
   Asked();
-  Take(Frame(2));
+  Handle(Frame(2));
   EXPECT_EQ(Asked(), Ids{});
   EXPECT_EQ(Frames().size(), 1U);
 }
@@ -363,23 +363,23 @@ TEST_F(NatNetDialogue, DoesNotAskForeverForASkeletonThatItCannotUse) {
 TEST_F(NatNetDialogue, AsksWhoIsThereWhenTheBitstreamChangedOrIsNotWhatItWas) {
   Begin();
   params_ = natnet::kBitstreamChanged;
-  Take(Frame());
+  Handle(Frame());
   EXPECT_EQ(Asked(), Ids{MessageId::kConnect});
   params_ = 0;
   version_ = {4, 1};
-  for (int i = 0; i < 10; ++i) Take(Frame());
+  for (int i = 0; i < 10; ++i) Handle(Frame());
   EXPECT_EQ(Asked(), Ids{MessageId::kConnect});
   EXPECT_EQ(counters_.Get(Counter::kSourceMalformed), 10U);
-  Take(Info(false));
+  Handle(Info(false));
   items.clear();
-  Take(Frame());
+  Handle(Frame());
   EXPECT_EQ(Frames().size(), 1U);
 }
 
 TEST_F(NatNetDialogue, RefusesAServerThatIsTooOldAndSaysSo) {
   version_ = {2, 6};
   Tick();
-  Take(Info(false));
+  Handle(Info(false));
   EXPECT_EQ(counters_.Get(Counter::kSourceBadVersion), 1U);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0], "server 127.0.0.1 speaks NatNet 2.6, expected 2.7 or later");
@@ -408,32 +408,32 @@ TEST_F(NatNetDialogue, HearsNobodyButTheServer) {
   Tick();
   Peer stranger = peer_;
   reinterpret_cast<sockaddr_in&>(stranger.address).sin_addr.s_addr = htonl(0x7F000002);
-  Take(Info(true), stranger);
+  Handle(Info(true), stranger);
   EXPECT_FALSE(translator_->stream());
   EXPECT_EQ(counters_.Get(Counter::kSourceIgnored), 1U);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0], "ignoring packets that do not come from server 127.0.0.1");
   reinterpret_cast<sockaddr_in&>(stranger.address) = Loopback(1511);
-  Take(Info(true), stranger);
+  Handle(Info(true), stranger);
   EXPECT_TRUE(translator_->stream()) << "any port of the server's";
 }
 
 TEST_F(NatNetDialogue, CountsWhatItCannotReadAndWhatItHasNoUseFor) {
-  Take(Frame());
-  Take(Model({"Anna"}));
+  Handle(Frame());
+  Handle(Model({"Anna"}));
   EXPECT_EQ(counters_.Get(Counter::kSourceIgnored), 2U) << "before the version is known";
   Begin();
-  Take(Bytes(3));
-  Take(Join(I16{1}, I16{4}, Any{4}));
-  Take(Join(I16{5}, I16{4}, I32{-1}));
-  Take(Join(I16{7}, I16{4}, I32{1}));
+  Handle(Bytes(3));
+  Handle(Join(I16{1}, I16{4}, Any{4}));
+  Handle(Join(I16{5}, I16{4}, I32{-1}));
+  Handle(Join(I16{7}, I16{4}, I32{1}));
   for (const double wrong : {-1.0, 1e300, std::nan("")}) {
     time_s_ = wrong;
-    Take(Frame());
+    Handle(Frame());
   }
   EXPECT_EQ(counters_.Get(Counter::kSourceMalformed), 7U);
-  Take(Join(I16{100}, I16{4}, Any{4}));
-  Take(Join(I16{8}, I16{3}, Text{"hi"}));
+  Handle(Join(I16{100}, I16{4}, Any{4}));
+  Handle(Join(I16{8}, I16{3}, Text{"hi"}));
   EXPECT_EQ(counters_.Get(Counter::kSourceIgnored), 4U);
   EXPECT_TRUE(items.empty());
 }
@@ -446,7 +446,7 @@ TEST_F(NatNetFrames, BecomeTheCanonicalPoseInEveryBitstreamAndConvention) {
       streaming_ = {(way & 1) != 0, (way & 2) != 0, (way & 4) != 0};
       Make({});
       Begin();
-      Take(Frame());
+      Handle(Frame());
       SCOPED_TRACE(std::to_string(version.major) + "." + std::to_string(version.minor) + ", way " +
                    std::to_string(way));
       ASSERT_EQ(Frames().size(), 1U);
@@ -459,7 +459,7 @@ TEST_F(NatNetFrames, BecomeTheCanonicalPoseInEveryBitstreamAndConvention) {
 
 TEST_F(NatNetFrames, OfSeveralSkeletonsAreOfAsManyPerformersWhoseNamesDiffer) {
   Begin({"Anna B", "Anna_B", "Anna B"});
-  Take(Frame(3));
+  Handle(Frame(3));
   const auto frames = Frames();
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[0].performer(), "Anna_B");
@@ -471,9 +471,9 @@ TEST_F(NatNetFrames, OfSeveralSkeletonsAreOfAsManyPerformersWhoseNamesDiffer) {
 TEST_F(NatNetFrames, CarryTheServersTimeAndTimecode) {
   Begin();
   timecode_ = 0x0A173B11;
-  Take(Frame());
+  Handle(Frame());
   timecode_ = 0;
-  Take(Frame());
+  Handle(Frame());
   const auto frames = Frames();
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].source_time_ns(), 50'000'000'000U);
@@ -487,10 +487,10 @@ TEST_F(NatNetFrames, CarryTheServersTimeAndTimecode) {
 TEST_F(NatNetFrames, ThatCameBeforeOrWereOvertakenAreLeftOut) {
   Begin();
   const Bytes first = Frame(), second = Frame();
-  Take(first);
-  Take(second);
-  Take(second);
-  Take(first);
+  Handle(first);
+  Handle(second);
+  Handle(second);
+  Handle(first);
   EXPECT_EQ(Frames().size(), 2U);
   EXPECT_EQ(counters_.Get(Counter::kPipelineDuplicate), 1U);
   EXPECT_EQ(counters_.Get(Counter::kPipelineReordered), 1U);
@@ -498,10 +498,10 @@ TEST_F(NatNetFrames, ThatCameBeforeOrWereOvertakenAreLeftOut) {
 
 TEST_F(NatNetFrames, ThatBeginAgainAreAnotherSession) {
   Begin();
-  Take(Frame());
+  Handle(Frame());
   number_ = 1;
   time_s_ = 0;
-  Take(Frame());
+  Handle(Frame());
   ASSERT_EQ(Frames().size(), 2U);
   EXPECT_NE(items.front().session, items.back().session);
   EXPECT_EQ(Bodies().size(), 2U);
@@ -514,10 +514,10 @@ std::uint64_t LostBetween(const Translated::Item& a, const Translated::Item& b) 
 
 TEST_F(NatNetFrames, ThatAreMissingAreTold) {
   Begin();
-  Take(Frame());
-  Take(Frame());
+  Handle(Frame());
+  Handle(Frame());
   number_ += 3;
-  Take(Frame());
+  Handle(Frame());
   EXPECT_EQ(LostBetween(items[items.size() - 3], items[items.size() - 2]), 0U);
   EXPECT_EQ(LostBetween(items[items.size() - 2], items[items.size() - 1]), 3U);
 }
@@ -525,16 +525,16 @@ TEST_F(NatNetFrames, ThatAreMissingAreTold) {
 TEST_F(NatNetFrames, OfWhichEverySecondOneIsSentAreNotMissed) {
   Begin();
   for (int i = 0; i < 5; ++i) {
-    Take(Frame());
+    Handle(Frame());
     ++number_;
   }
   EXPECT_EQ(LostBetween(items[items.size() - 2], items.back()), 0U);
   number_ += 2;
-  Take(Frame());
+  Handle(Frame());
   EXPECT_EQ(LostBetween(items[items.size() - 2], items.back()), 1U);
   // A server that sends every third one from now on.
   for (int i = 0; i < 40; ++i) {
-    Take(Frame());
+    Handle(Frame());
     number_ += 2;
   }
   EXPECT_EQ(LostBetween(items[items.size() - 2], items.back()), 0U);
@@ -542,9 +542,9 @@ TEST_F(NatNetFrames, OfWhichEverySecondOneIsSentAreNotMissed) {
 
 TEST_F(NatNetFrames, AreBoundToAnotherBodyWhenTheModelChangesAndToTheSameWhenNot) {
   Begin();
-  Take(Frame());
-  Take(Model({"Anna"}));
-  Take(Frame());
+  Handle(Frame());
+  Handle(Model({"Anna"}));
+  Handle(Frame());
   EXPECT_EQ(Bodies().size(), 1U);
   EXPECT_EQ(items.front().session, items.back().session);
   natnet::Model model;
@@ -553,8 +553,8 @@ TEST_F(NatNetFrames, AreBoundToAnotherBodyWhenTheModelChangesAndToTheSameWhenNot
   model.skeletons[0].bones[4].offset_m = {0, 0.125F, 0};
   Bytes packet(20000);
   packet.resize(natnet::EncodeModel(model, version_, packet));
-  Take(packet);
-  Take(Frame());
+  Handle(packet);
+  Handle(Frame());
   ASSERT_EQ(Bodies().size(), 2U);
   EXPECT_EQ(Bodies()[1].offsets(13), 0.125F);
   EXPECT_EQ(items.front().session, items.back().session) << "the same performer";
@@ -562,9 +562,9 @@ TEST_F(NatNetFrames, AreBoundToAnotherBodyWhenTheModelChangesAndToTheSameWhenNot
 
 TEST_F(NatNetFrames, AreReadAnotherWayAfterSomebodyChangedTheServersCoordinates) {
   Begin();
-  Take(Frame());
+  Handle(Frame());
   streaming_.local = true;
-  for (int i = 0; i < 12; ++i) Take(Frame());
+  for (int i = 0; i < 12; ++i) Handle(Frame());
   ExpectPose(Bodies().front(), Frames().back(), BentPose());
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0], "server 127.0.0.1 now streams local coordinates, +Y up");
@@ -577,7 +577,7 @@ TEST_F(NatNetFrames, AreReadAsTheConfigSaysWhateverFits) {
     config.up = "y";
   });
   Begin();
-  Take(Frame());
+  Handle(Frame());
   const auto frames = Frames();
   ASSERT_EQ(frames.size(), 1U);
   // Global rotations taken for local ones: the chest's is the product of three.
@@ -591,11 +591,11 @@ TEST_F(NatNetFrames, AreReadAsTheConfigSaysWhateverFits) {
 TEST_F(NatNetFrames, DoNotAllocateFromThePerformersSecondOn) {
   Begin({"Anna", "Bert"});
   EXPECT_GT(allocations_, 0) << "a model does";
-  Take(Frame(2));
+  Handle(Frame(2));
   for (int i = 0; i < 300; ++i) {
     now_ns += 10'000'000;
     const Bytes frame = Frame(2);
-    Take(frame);
+    Handle(frame);
     EXPECT_EQ(allocations_, 0) << i;
   }
 }

@@ -60,9 +60,10 @@ TEST(NatNetTransport, IsRefusedWithWhatWasExpected) {
   EXPECT_EQ(refused([](auto&) {}), "");
   for (const char* server : {"", "motive.local", "1.2.3", "127.0.0.1:", "127.0.0.1:0",
                              "127.0.0.1:70000", "[::1]:1510"}) {
-    EXPECT_EQ(refused([server](auto& config) { config.server = server; }),
-              "server: \"" + std::string(server) +
-                  "\"; expected an IPv4 address, or one and a port, e.g. \"192.168.1.10:1510\"");
+    EXPECT_EQ(
+        refused([server](auto& config) { config.server = server; }),
+        "server: \"" + std::string(server) +
+            "\"; expected an IPv4 address, or an address and a port, e.g. \"192.168.1.10:1510\"");
   }
   EXPECT_EQ(refused([](auto& config) { config.group = "10.0.0.1"; }),
             "group: \"10.0.0.1\"; expected an IPv4 multicast address, e.g. \"239.255.42.99\"");
@@ -70,7 +71,7 @@ TEST(NatNetTransport, IsRefusedWithWhatWasExpected) {
             "interface: \"no-such-0\"; expected an IPv4 address of this machine or an interface's "
             "name");
   EXPECT_EQ(refused([](auto& config) { config.listen = "[::1]:0"; }),
-            "udp [::1]:0: expected an IPv4 address, as the server's is");
+            "udp [::1]:0: expected an IPv4 address, like the server's");
 }
 
 // The simulator's server behind a real socket, and the transport that talks to it.
@@ -104,7 +105,7 @@ class Session {
     transport->DoWork(pipeline);
     return true;
   }
-  // Answers everything that the server was asked.
+  // Answers all requests to the server.
   int Answer() {
     int answered = 0;
     Bytes buffer(2000);

@@ -19,7 +19,7 @@ TEST(NatsBridge, RefusesEachBadOption) {
   EXPECT_THAT(Bridge::Open(options).status().message(), testing::HasSubstr("control: "));
 }
 
-// What changes every second would be a write every second, for each performer.
+// A value that changes every second would be a write every second, for each performer.
 TEST(NatsBridge, KeepsOfAPerformerWhatLasts) {
   v1::PerformerStats first;
   first.set_performer("rig.a");

@@ -52,12 +52,12 @@ TEST(NatsDemand, ManySubjectsBecomeOne) {
 
 TEST(NatsDemand, WantsWhatBeginsSo) {
   Demand demand("hall");
-  EXPECT_FALSE(demand.Wants("body/rig.a/"));
+  EXPECT_FALSE(demand.IsSubscribed("body/rig.a/"));
   demand.Add("body/rig.a/");
-  EXPECT_TRUE(demand.Wants("body/rig.a/"));
-  EXPECT_FALSE(demand.Wants("body/rig.ab/"));
+  EXPECT_TRUE(demand.IsSubscribed("body/rig.a/"));
+  EXPECT_FALSE(demand.IsSubscribed("body/rig.ab/"));
   demand.Add("body/");
-  EXPECT_TRUE(demand.Wants("body/rig.ab/"));
+  EXPECT_TRUE(demand.IsSubscribed("body/rig.ab/"));
 }
 
 TEST(NatsDemand, TopicsAreThoseOfADaemon) {

@@ -17,7 +17,7 @@ constexpr FrameQueue::Clock::time_point kStart{};
 
 std::optional<QueuedFrame> Next(FrameQueue& queue) {
   QueuedFrame frame;
-  if (!queue.Take(frame, {}, 0ms)) return std::nullopt;
+  if (!queue.Pop(frame, {}, 0ms)) return std::nullopt;
   return frame;
 }
 
@@ -132,12 +132,12 @@ TEST(FrameQueue, WakesTheThreadThatWaits) {
   FrameQueue queue("s");
   QueuedFrame frame;
   std::jthread taker(
-      [&](const std::stop_token& stop) { EXPECT_TRUE(queue.Take(frame, stop, 20s)); });
+      [&](const std::stop_token& stop) { EXPECT_TRUE(queue.Pop(frame, stop, 20s)); });
   queue.Push("a.a", "rig", "1", 1, 1);
   taker.join();
   EXPECT_EQ(frame.payload, "1");
   std::jthread stopped(
-      [&](const std::stop_token& stop) { EXPECT_FALSE(queue.Take(frame, stop, 20s)); });
+      [&](const std::stop_token& stop) { EXPECT_FALSE(queue.Pop(frame, stop, 20s)); });
   stopped.request_stop();
 }
 
@@ -145,9 +145,9 @@ TEST(AudienceTier, TakesTheFirstAndEveryFourthFrameOfEachPerformer) {
   AudienceTier tier;
   std::vector<int> taken;
   for (int i = 0; i < 12; ++i) {
-    if (tier.Takes("rig.a")) taken.push_back(i);
+    if (tier.Picks("rig.a")) taken.push_back(i);
     if (i == 5) {
-      EXPECT_TRUE(tier.Takes("rig.b")) << "a count of their own";
+      EXPECT_TRUE(tier.Picks("rig.b")) << "a count of their own";
     }
   }
   EXPECT_THAT(taken, testing::ElementsAre(0, 4, 8));
@@ -156,11 +156,11 @@ TEST(AudienceTier, TakesTheFirstAndEveryFourthFrameOfEachPerformer) {
 TEST(AudienceTier, IsBounded) {
   AudienceTier tier;
   for (std::size_t i = 0; i < AudienceTier::kMaxPerformers; ++i) {
-    EXPECT_TRUE(tier.Takes("rig.p" + std::to_string(i)));
+    EXPECT_TRUE(tier.Picks("rig.p" + std::to_string(i)));
   }
-  EXPECT_FALSE(tier.Takes("rig.p0"));
-  EXPECT_TRUE(tier.Takes("rig.one_more"));
-  EXPECT_TRUE(tier.Takes("rig.p0")) << "the counts began anew";
+  EXPECT_FALSE(tier.Picks("rig.p0"));
+  EXPECT_TRUE(tier.Picks("rig.one_more"));
+  EXPECT_TRUE(tier.Picks("rig.p0")) << "the counts began anew";
 }
 
 TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
@@ -182,7 +182,7 @@ TEST(FrameQueue, ABodyHasAPlaceOfItsOwnBeforeItsFrame) {
   EXPECT_EQ(newer->payload, "newer");
 }
 
-// A frame must not overtake the body that it needs, whatever gives way.
+// A frame must not overtake the body that it needs, whatever is dropped.
 TEST(FrameQueue, AFrameComesBehindItsBodyWhenOlderOnesGiveWay) {
   FrameQueue queue("s");
   for (int i = 1; i <= 4; ++i) queue.Push("a.a", "rig", "f" + std::to_string(i), 1, 1);

@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// What the networks of a test were asked.
+// The calls of a test's networks.
 struct Asked {
   int starts = 0, steps = 0;
   int input_style = -1;

@@ -125,7 +125,7 @@ TEST_F(NeutralTest, ThePoseThatTheNetworkSeesIsTheReferences) {
     const Pose held = AsStranger(pose);
     neutral_.Follow(held, 1.0F / 120, true, reference_);
     Pose seen;
-    neutral_.TakeOut(held, seen);
+    neutral_.RemoveCarriage(held, seen);
     EXPECT_EQ(seen.hips_position_m, held.hips_position_m);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       worst_rad = std::max(worst_rad, body::Angle_rad(seen.rotations[j], pose.rotations[j]));
@@ -160,7 +160,7 @@ TEST_F(NeutralTest, OfAStrangerWhoStandsIsKnownToo) {
   EXPECT_GT(neutral_.arms_s(), 5);
 }
 
-// Somebody on guard, or with their arms crossed.
+// A performer on guard, or with crossed arms.
 TEST_F(NeutralTest, NothingIsLearnedOfWhoStandsWithBentElbows) {
   auto poses = Strangers("stand:60", 20);
   for (Pose& pose : poses) {
@@ -332,7 +332,7 @@ TEST_F(NeutralTest, ACheckpointGoesOnBitForBit) {
   EXPECT_EQ(Written(other), Written(neutral_));
 }
 
-// A turn that is no rotation would make every later frame one that is not sound.
+// A turn that is not a rotation would make every later frame unsound.
 TEST_F(NeutralTest, ACheckpointWithoutSenseIsRefused) {
   const auto bytes = Written(neutral_);  // numbers, then two flags
   for (std::size_t at = 0; at + 4 <= bytes.size() - 2; at += 4) {

@@ -17,7 +17,7 @@ std::vector<std::byte> FromHex(std::string_view hex) {
   return bytes;
 }
 
-// Replies of linuxptp 3.1.1, a slave of domain 127 by software time stamps. Its pmc says of them:
+// Replies of linuxptp 3.1.1, a slave of domain 127 by software time stamps. Its pmc prints:
 // grandmasterPriority1 100, gm.ClockClass 248, gm.ClockAccuracy 0xfe, grandmasterPriority2 128,
 // grandmasterIdentity f6f17c.fffe.9588b8; stepsRemoved 1; portState UNCALIBRATED; timeSource 0xa0.
 constexpr std::string_view kParent =

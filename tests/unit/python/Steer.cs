@@ -1,4 +1,4 @@
-// Sets styles as it is told: steer CONTROL PERFORMER..., and prints what Control says of each.
+// Sets styles from the command line: steer CONTROL PERFORMER..., and prints the reply for each.
 using System;
 using Styled;
 

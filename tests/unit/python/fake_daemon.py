@@ -1,4 +1,4 @@
-"""A control socket that answers as it is told, for tests without a daemon."""
+"""A control socket with prepared answers, for tests without a daemon."""
 import threading
 
 import zmq

@@ -1,4 +1,4 @@
-"""What the add-on for Blender does when something fails: it is said in a line, and nothing is left half
+"""Errors in the add-on for Blender: each is reported in a line, and nothing is left half
 done. Blender is a stand-in here, as bare as that allows; tests/e2e/blender has the real one."""
 import contextlib
 import io
@@ -161,7 +161,7 @@ class ErrorsTest(unittest.TestCase):
             for kind in (operators.STYLED_OT_style, operators.STYLED_OT_clear):
                 result, said = self.execute(kind, style='old')
                 self.assertEqual((result, said), ({'FINISHED'}, [
-                    ('WARNING', "nobody performs under the name 'stage.ann': the change waits until they come")]))
+                    ('WARNING', "no performer of the name 'stage.ann' is present: the change waits for it")]))
             self.chosen.performer = 'stage.anna'
             self.assertEqual(self.execute(operators.STYLED_OT_style, style='old'), ({'FINISHED'}, []))
 
@@ -180,7 +180,7 @@ class ErrorsTest(unittest.TestCase):
         self.chosen.performer, self.chosen.stream = 'rig.b', 'rig'
         result, ((level, said),) = self.execute(operators.STYLED_OT_drive, thing)
         self.assertEqual((level, thing.styled_live.driven), ('WARNING', True))
-        self.assertIn('nobody performs under the name rig.b yet', said)
+        self.assertIn('no performer of the name rig.b is present yet', said)
 
     def test_an_armature_that_fails_does_not_end_the_others(self):
         self.execute(operators.STYLED_OT_connect)
@@ -250,9 +250,9 @@ class ErrorsTest(unittest.TestCase):
 
     def test_a_rig_of_unknown_bones_is_said(self):
         thing = Armature(Action('mine', 2))
-        with unittest.mock.patch.object(restyle, '_Humanoid', side_effect=drive.Unfit('no humanoid: hips')):
+        with unittest.mock.patch.object(restyle, '_Humanoid', side_effect=drive.Unfit('not a humanoid: hips')):
             result, said = self.execute(operators.STYLED_OT_restyle, thing)
-        self.assertEqual((result, said), ({'CANCELLED'}, [('ERROR', 'other: no humanoid: hips')]))
+        self.assertEqual((result, said), ({'CANCELLED'}, [('ERROR', 'other: not a humanoid: hips')]))
 
     def test_a_restyle_that_fails_in_the_middle_leaves_all_as_it_was(self):
         action = Action('mine', 2)

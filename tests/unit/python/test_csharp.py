@@ -1,4 +1,4 @@
-"""The C# client and its example against a control socket that answers as it is told."""
+"""The C# client and its example against a control socket with prepared answers."""
 import glob
 import os
 import shutil

@@ -262,7 +262,7 @@ class RequestTest(unittest.TestCase):
 
 
 class ArgumentsTest(unittest.TestCase):
-    """What is refused before anything is sent."""
+    """Requests that are refused before anything is sent."""
 
     class Nobody(Commands):
         def _do(self, request, result):

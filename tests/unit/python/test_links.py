@@ -12,7 +12,7 @@ import styled.aio
 
 
 def break_protocol(endpoint, seconds):
-    """Answers whoever connects there with bytes that are no ZeroMQ; returns how many came."""
+    """Answers each connection with bytes that are not ZeroMQ; returns their number."""
     host, port = endpoint.removeprefix('tcp://').split(':')
     with socket.create_server((host, int(port)), reuse_port=False) as listener:
         listener.settimeout(0.1)

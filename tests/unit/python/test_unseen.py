@@ -1,4 +1,4 @@
-"""Changes that nobody will see: the Python client says so, on the line that asked for them."""
+"""Changes without a visible effect: the Python client warns, on the line that requested them."""
 import asyncio
 import inspect
 import os
@@ -17,12 +17,12 @@ from fake_daemon import FakeDaemon
 from styled import doubts
 from styled.v1 import body_pb2, control_pb2, frame_pb2
 
-ABSENT = "nobody performs under the name 'stage.ann': the change waits until they come"
-WEAK = 'the strength of stage.anna is 0: no style is to be seen'
+ABSENT = "no performer of the name 'stage.ann' is present: the change waits for it"
+WEAK = 'the strength of stage.anna is 0: no style is visible'
 
 
 def answer(request):
-    """Of a daemon where stage.anna performs, with strength 0 and a style, and nobody else does."""
+    """The status of a daemon where only stage.anna performs, with strength 0 and a style."""
     reply = control_pb2.Reply()
     for name in ['stage.anna', 'stage.old'] if request.performer == '*' else [request.performer]:
         reply.applied.add(performer=name, first_sequence=7, absent=name != 'stage.anna',
@@ -45,7 +45,7 @@ class UnseenTest(unittest.TestCase):
         warnings.simplefilter('always')
 
     def heard(self):
-        """What was said since the last call."""
+        """The warnings since the last call."""
         said = [(w.category, str(w.message), w.filename, w.lineno) for w in self.said]
         self.said.clear()
         return said
@@ -67,7 +67,7 @@ class UnseenTest(unittest.TestCase):
             applied, line = control.set('stage.anna', style='old'), here()
             self.assertEqual(applied.no_strength, {'stage.anna'})
             self.assertEqual(self.heard(), [(styled.NoStrength, WEAK, __file__, line)])
-            control.set('stage.anna', style='old', strength=0)  # as was wanted
+            control.set('stage.anna', style='old', strength=0)  # as requested
             control.pin('stage.anna')
             self.assertEqual(self.heard(), [])
 
@@ -102,7 +102,7 @@ class UnseenTest(unittest.TestCase):
                                   env=dict(os.environ))
             return done.returncode, done.stdout, done.stderr
         self.assertEqual(run('set', 'stage.ann', '--style', 'old'),
-                         (0, 'stage.ann: set, when they come\n', f'python3 -m styled: {ABSENT}\n'))
+                         (0, 'stage.ann: set, from their first frame\n', f'python3 -m styled: {ABSENT}\n'))
         self.assertEqual(run('set', 'stage.anna', '--style', 'old'),
                          (0, 'stage.anna: set, from frame 7 on\n', f'python3 -m styled: {WEAK}\n'))
         self.assertEqual(run('like', 'stage.ann', '--clip', __file__, '--name', 'mine')[2],
@@ -110,7 +110,8 @@ class UnseenTest(unittest.TestCase):
 
 
 def publish(publisher, performer, names, stream, sequence):
-    """What a daemon sends of a performer with these avatars: bodies to whoever asks, and a frame."""
+    """A daemon's frames of a performer with these avatars: bodies for new subscriptions, and a
+    frame."""
     for name in ('', *names):
         body = body_pb2.Body(performer=performer, names=['hips'], parents=[-1], offsets=[0, 1, 0], hash=7,
                              output=body_pb2.OUTPUT_AVATAR if name else body_pb2.OUTPUT_RIG, output_name=name)
@@ -132,7 +133,7 @@ class SilenceTest(unittest.TestCase):
         self.addCleanup(patience.stop)
 
     def hears(self, category, text, seconds=10, **arguments):
-        """Reads until a warning, or for so long; frames of rig.a come all the while."""
+        """Reads until a warning, or for this long; frames of rig.a arrive all the while."""
         with warnings.catch_warnings(record=True) as said, \
                 styled.Subscriber(self.endpoint, **arguments) as subscriber:
             warnings.simplefilter('always')
@@ -148,17 +149,17 @@ class SilenceTest(unittest.TestCase):
                          [(category, text, __file__)] if category else [])
 
     def test_a_performer_who_does_not_come_is_told_once(self):
-        self.hears(styled.AbsentPerformer, "nobody performs under the name 'rig.b' yet: frames come when they do",
+        self.hears(styled.AbsentPerformer, "no performer of the name 'rig.b' is present yet: frames arrive once it is",
                    performer='rig.b')
 
     def test_an_output_that_nobody_has_is_told_once_while_other_frames_come(self):
         self.hears(styled.AbsentOutput, "no performer has an output 'heor' yet, they have canonical, hero, rig, "
-                   'source: frames come when one has', streams=['rig', 'heor'])
+                   'source: frames arrive when one has', streams=['rig', 'heor'])
 
     def test_who_and_what_is_there_is_not_missed(self):
         self.hears(None, '', seconds=1, performer='rig.a', streams=['rig', 'hero'])
         self.hears(None, '', seconds=1, streams='canonical')
-        self.publisher.close(0)  # without a daemon nobody is missed
+        self.publisher.close(0)  # without a daemon no performer is missed
         with warnings.catch_warnings(record=True) as said, \
                 styled.Subscriber('ipc:///tmp/styled-nobody', performer='rig.b') as subscriber:
             warnings.simplefilter('always')

@@ -62,8 +62,8 @@ TEST(QtmFrame, LeavesOutWhatIsTooMany) {
   EXPECT_EQ(frame->skeletons[1].segments[0].id, 9U);
 }
 
-// Its packet is cut short and says so; and its header says the whole size, but components end
-// early.
+// Its packet is cut short with a correct size; and its header has the whole size, but components
+// end early.
 TEST(QtmFrame, CutAnywhereIsRefusedOrHasFewerBytesAfterItsEnd) {
   const auto frame = std::make_unique<Frame>();
   const Bytes whole = DecodeCases()[0].packet;

@@ -26,7 +26,7 @@ TEST(QtmSkeleton, IsRefusedWithWhatWasExpected) {
   EXPECT_EQ(Refusal({"a", false, {{"Hips", 1}, {"Spine", 1, 0}}}),
             "skeleton a: segment Spine: its name, or its ID 1, is another's");
   EXPECT_EQ(Refusal({"a", false, {{"Hips", 1, -1, {}, {0, 0, 0, 0}}}}),
-            "skeleton a: segment Hips: the rotation of its T-pose is none");
+            "skeleton a: segment Hips: its T-pose has no valid rotation");
   qtm::SkeletonDescription many{"a", false, {{"Hips", 0}}};
   for (std::uint32_t s = 1; s <= qtm::kMaxSegments; ++s) {
     many.segments.push_back({"s" + std::to_string(s), s, 0});

@@ -34,8 +34,8 @@ class QtmTranslatorTest : public testing::Test {
   QtmTranslatorTest() : translated_(std::make_unique<Qtm>(Config())) {}
 
   Qtm& translator() { return dynamic_cast<Qtm&>(translated_.translator()); }
-  std::string Fault() { return translator().TakeFault(); }
-  void Take(const Bytes& packet) { translated_.Take(packet); }
+  std::string Fault() { return translator().NextFault(); }
+  void Handle(const Bytes& packet) { translated_.Handle(packet); }
   void Wait(double seconds) {
     translated_.now_ns += static_cast<std::int64_t>(seconds * 1e9);
     translated_.Tick();
@@ -52,18 +52,18 @@ class QtmTranslatorTest : public testing::Test {
   // Up to the stream.
   void Connect(const Bytes& skeletons) {
     translator().Connected(translated_.now_ns);
-    Take(Command("QTM RT Interface connected"));
-    Take(Command("Version set to 1.25"));
-    Take(Xml("<Q><General><Frequency>120</Frequency></General></Q>"));
-    Take(Xml("<Q><The_3D><AxisUpwards>+Z</AxisUpwards></The_3D></Q>"));
-    Take(skeletons);
+    Handle(Command("QTM RT Interface connected"));
+    Handle(Command("Version set to 1.25"));
+    Handle(Xml("<Q><General><Frequency>120</Frequency></General></Q>"));
+    Handle(Xml("<Q><The_3D><AxisUpwards>+Z</AxisUpwards></The_3D></Q>"));
+    Handle(skeletons);
     ASSERT_TRUE(translator().ready());
     translated_.items.clear();
   }
-  // Whether these parameters were asked for.
+  // Whether these parameters were requested.
   bool Answers(const Bytes& xml) {
     const std::uint64_t before = translated_.Count(Counter::kSourceIgnored);
-    Take(xml);
+    Handle(xml);
     return translated_.Count(Counter::kSourceIgnored) == before;
   }
   Bytes FrameAt(std::int64_t time_us, std::uint32_t number, const std::vector<body::Pose>& poses,
@@ -95,7 +95,7 @@ TEST_F(QtmTranslatorTest, ASkeletonsPosesAreThePerformers) {
     Connect(Described({"Anna"}, flat));
     for (std::uint32_t i = 0; i < 5; ++i) {
       const body::Pose pose = natnet::testing::BentPose(0.1F * static_cast<float>(i));
-      Take(FrameAt(flat * 1'000'000 + 10'000 * i, i + 1, {pose}));
+      Handle(FrameAt(flat * 1'000'000 + 10'000 * i, i + 1, {pose}));
       const auto frames = translated_.Frames();
       ASSERT_EQ(frames.size(), i + 1U);
       ASSERT_EQ(translated_.Bodies().size(), 1U);
@@ -115,7 +115,7 @@ TEST_F(QtmTranslatorTest, ASkeletonsPosesAreThePerformers) {
 TEST_F(QtmTranslatorTest, SeveralSkeletonsAreSeveralPerformersWithValidNames) {
   Connect(Described({"Anna", "Ben & co", "Anna"}));
   const body::Pose pose;
-  Take(FrameAt(0, 1, {pose, pose, pose}));
+  Handle(FrameAt(0, 1, {pose, pose, pose}));
   std::vector<std::string> names;
   for (const auto& body : translated_.Bodies()) names.push_back(body.performer());
   EXPECT_THAT(names, ElementsAre("Anna", "Ben___co", "Anna-2"));
@@ -144,7 +144,7 @@ TEST_F(QtmTranslatorTest, OfTwentySkeletonsWithFingersSixteenPlay) {
   for (std::uint32_t k = 0; k < 20; ++k) {
     Part{Join(U32{1}, SegmentOf(1000 * (k + 1), 0, 0, 1, 0, 0, 0, 1))}.AppendTo(skeletons);
   }
-  Take(Data(0, 1, ComponentOf(18, U32{20}, Part{skeletons})));
+  Handle(Data(0, 1, ComponentOf(18, U32{20}, Part{skeletons})));
   EXPECT_EQ(translated_.Frames().size(), 16U);
   EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 0U);
   EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever) << "nothing is asked anew";
@@ -157,7 +157,7 @@ TEST_F(QtmTranslatorTest, OneThatIsNotSeenSendsNothingTheOthersDo) {
   frame_->skeletons[0].segment_count = 0;
   Bytes packet(qtm::kMaxPacketSize);
   packet.resize(qtm::EncodeFrame(*frame_, packet));
-  Take(packet);
+  Handle(packet);
   ASSERT_EQ(translated_.Frames().size(), 1U);
   EXPECT_EQ(translated_.Bodies()[0].performer(), "b");
   EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 0U);
@@ -165,13 +165,13 @@ TEST_F(QtmTranslatorTest, OneThatIsNotSeenSendsNothingTheOthersDo) {
 
 TEST_F(QtmTranslatorTest, NamesWhatTheServerSaysAndReadsOldOnes) {
   translator().Connected(translated_.now_ns);
-  Take(Command("QTM RT Interface connected."));
-  for (int minor = 25; minor > 20; --minor) Take(Error("Version NOT supported"));
+  Handle(Command("QTM RT Interface connected."));
+  for (int minor = 25; minor > 20; --minor) Handle(Error("Version NOT supported"));
   EXPECT_EQ(Fault(), "");
-  Take(Command("Version set to 1.20"));
-  Take(Error("Parse error"));
-  Take(Error("Measurement busy"));
-  Take(Described({"a"}, true));
+  Handle(Command("Version set to 1.20"));
+  Handle(Error("Parse error"));
+  Handle(Error("Measurement busy"));
+  Handle(Described({"a"}, true));
   EXPECT_TRUE(translator().ready());
   EXPECT_THAT(
       translated_.notes,
@@ -181,18 +181,18 @@ TEST_F(QtmTranslatorTest, NamesWhatTheServerSaysAndReadsOldOnes) {
                   "server 192.0.2.7: QTM RT 1.20, +Z up, skeletons: a"));
 }
 
-// Each connection is told anew, but of a server that comes and goes once a minute.
+// Each connection is reported, but those of an unstable server only once a minute.
 TEST_F(QtmTranslatorTest, ComplaintsOfAnotherConnectionAreSaidAgain) {
   Connect(Described({}));
   ASSERT_EQ(translated_.notes.size(), 2U);
   Connect(Described({}));
   EXPECT_EQ(translated_.notes.size(), 2U) << "at once";
-  Take(Data(1, 1, ComponentOf(18, U32{0})));  // it streams
+  Handle(Data(1, 1, ComponentOf(18, U32{0})));  // it streams
   Wait(61);
   Connect(Described({}));
   ASSERT_EQ(translated_.notes.size(), 4U);
   EXPECT_EQ(translated_.notes[2], translated_.notes[0]);
-  for (int i = 0; i < 100; ++i) Take(Error("Error " + std::to_string(i)));
+  for (int i = 0; i < 100; ++i) Handle(Error("Error " + std::to_string(i)));
   EXPECT_EQ(translated_.notes.size(), 66U);
   Wait(61);
   Connect(Described({"new"}));
@@ -201,17 +201,17 @@ TEST_F(QtmTranslatorTest, ComplaintsOfAnotherConnectionAreSaidAgain) {
 
 TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
   translator().Connected(translated_.now_ns);
-  Take(Error("Connection refused. Max number of clients reached."));
+  Handle(Error("Connection refused. Max number of clients reached."));
   EXPECT_EQ(Fault(), "refuses: \"Connection refused. Max number of clients reached.\"");
   EXPECT_EQ(Fault(), "") << "forgotten";
   translator().Connected(translated_.now_ns);
-  Take(Command("220 ftp"));
+  Handle(Command("220 ftp"));
   EXPECT_EQ(Fault(), "greets with \"220 ftp\", expected \"QTM RT Interface connected\"");
   translator().Connected(translated_.now_ns);
-  Take(Command("QTM RT Interface connected"));
+  Handle(Command("QTM RT Interface connected"));
   for (int minor = 25; minor >= 19; --minor) {
     EXPECT_EQ(Fault(), "");
-    Take(Command("Version NOT supported"));
+    Handle(Command("Version NOT supported"));
   }
   EXPECT_EQ(Fault(),
             "speaks none of QTM RT 1.25 to 1.19 (skeletons need QTM 2019 or later); it answered "
@@ -221,9 +221,9 @@ TEST_F(QtmTranslatorTest, GivesUpAServerThatIsTooOldOrFullOrAnother) {
 // As in a recording of two connections.
 TEST_F(QtmTranslatorTest, AGreetingBeginsTheDialogueAnewAndNothingOfTheOldIsAsked) {
   Connect(Described({}));
-  Take(Error("Parse error"));
-  Take(Error("Parse error"));  // StreamFrames would be sent again, and skeletons be asked for
-  Take(Command("QTM RT Interface connected"));
+  Handle(Error("Parse error"));
+  Handle(Error("Parse error"));  // StreamFrames and the request for skeletons would be sent again
+  Handle(Command("QTM RT Interface connected"));
   EXPECT_FALSE(translator().ready());
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns);
   Wait(5);
@@ -239,7 +239,7 @@ TEST_F(QtmTranslatorTest, GivesUpAServerThatDoesNotAnswer) {
   Wait(0.2);
   EXPECT_EQ(Fault(), "did not greet within 5 s: is it QTM's port 22223?");
   translator().Connected(translated_.now_ns);
-  Take(Command("QTM RT Interface connected"));
+  Handle(Command("QTM RT Interface connected"));
   Wait(5);
   EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
 }
@@ -247,15 +247,15 @@ TEST_F(QtmTranslatorTest, GivesUpAServerThatDoesNotAnswer) {
 TEST_F(QtmTranslatorTest, WaitsForMeasurementsAndSkeletonsWithoutEnd) {
   Connect(Described({}));
   EXPECT_THAT(translated_.notes.at(0), HasSubstr("has no skeleton: in QTM add one"));
-  Take(Pack(4));
+  Handle(Pack(4));
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns)
       << "asks again whether there is one";
   Wait(5);
-  Take(Described({"a"}));
+  Handle(Described({"a"}));
   EXPECT_EQ(translator().NextDeadline_ns(), Translator::kNever);
   Wait(3600);
   EXPECT_EQ(Fault(), "");
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 1U);
 }
 
@@ -265,24 +265,24 @@ TEST_F(QtmTranslatorTest, AnErrorBeforeTheFirstFrameIsTheStreams) {
   Connect(Described({"a"}));
   translated_.notes.clear();
   translated_.now_ns += kSecond_ns;
-  Take(EventOf(3));
+  Handle(EventOf(3));
   EXPECT_FALSE(Answers(Described({"b"}))) << "not asked: two answers could not be told apart";
-  Take(Error("Parse error"));
+  Handle(Error("Parse error"));
   EXPECT_THAT(translated_.notes, IsEmpty()) << "it is asked without Timecode";
-  Take(Error("No"));
+  Handle(Error("No"));
   EXPECT_THAT(translated_.notes,
               ElementsAre(answers + "\"StreamFrames AllFrames Skeleton\" with \"No\""));
   Wait(5);  // asked again
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 1U);
   EXPECT_TRUE(Answers(Described({"a"}))) << "what the event called for";
-  Take(Error("Busy"));
+  Handle(Error("Busy"));
   EXPECT_EQ(translated_.notes.back(), "server 192.0.2.7 complains: \"Busy\"");
   translated_.now_ns += 10 * kSecond_ns;
-  Take(EventOf(3));
-  Take(Error("Busy"));
+  Handle(EventOf(3));
+  Handle(Error("Busy"));
   EXPECT_EQ(translated_.notes.back(), "server 192.0.2.7 complains: \"Busy\"") << "asks for less";
-  Take(Error("Busy"));
+  Handle(Error("Busy"));
   EXPECT_EQ(translated_.notes.back(), answers + "\"GetParameters Skeleton\" with \"Busy\"");
   Wait(5);
   EXPECT_TRUE(Answers(Described({"a"}))) << "asked again";
@@ -293,8 +293,8 @@ TEST_F(QtmTranslatorTest, SaysOnceThatNoFrameCameAndReadsSkeletonsAnyway) {
     translated_.now_ns += 100 * kSecond_ns;
     Connect(Described({"a"}));
     translated_.notes.clear();
-    if (no_measurement) Take(Pack(4));
-    Take(EventOf(1));
+    if (no_measurement) Handle(Pack(4));
+    Handle(EventOf(1));
     Wait(4.9);
     EXPECT_THAT(translated_.notes, IsEmpty());
     Wait(0.2);
@@ -306,33 +306,33 @@ TEST_F(QtmTranslatorTest, SaysOnceThatNoFrameCameAndReadsSkeletonsAnyway) {
     Wait(3600);
     EXPECT_EQ(translated_.notes.size(), 1U);
     EXPECT_EQ(Fault(), "");
-    Take(FrameAt(0, 1, {body::Pose()}));
+    Handle(FrameAt(0, 1, {body::Pose()}));
     EXPECT_EQ(translated_.Frames().size(), 1U);
   }
 }
 
 TEST_F(QtmTranslatorTest, ParametersThatNobodyAskedForAnswerNothing) {
   translator().Connected(translated_.now_ns);
-  Take(Xml("<Q><The_3D><AxisUpwards>+X</AxisUpwards></The_3D></Q>"));
-  Take(Command("QTM RT Interface connected"));
+  Handle(Xml("<Q><The_3D><AxisUpwards>+X</AxisUpwards></The_3D></Q>"));
+  Handle(Command("QTM RT Interface connected"));
   Wait(1);
-  Take(Xml("<Q><General>"));
+  Handle(Xml("<Q><General>"));
   EXPECT_EQ(translated_.Count(Counter::kSourceIgnored), 2U);
   EXPECT_EQ(Fault(), "") << "not read";
   Wait(4);
   EXPECT_EQ(Fault(), "did not answer \"Version 1.25\" within 5 s");
   Connect(Described({"a"}));
   EXPECT_THAT(translated_.notes.back(), HasSubstr("+Z up, skeletons: a"));
-  Take(Described({}));
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(Described({}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 1U) << "a goes on";
 }
 
 TEST_F(QtmTranslatorTest, ParametersThatCannotBeUsedEndTheConnection) {
   translator().Connected(translated_.now_ns);
-  Take(Command("QTM RT Interface connected"));
-  Take(Command("Version set to 1.25"));
-  Take(Xml("<Q><General>"));
+  Handle(Command("QTM RT Interface connected"));
+  Handle(Command("Version set to 1.25"));
+  Handle(Xml("<Q><General>"));
   EXPECT_THAT(Fault(), HasSubstr("sent parameters that cannot be used: not XML: byte "));
   EXPECT_EQ(translated_.Count(Counter::kSourceMalformed), 1U);
 }
@@ -346,7 +346,7 @@ TEST_F(QtmTranslatorTest, ARefusedSkeletonIsNamedAndTheOthersPlay) {
   Connect(Xml(xml));
   EXPECT_THAT(translated_.notes.at(0),
               "server 192.0.2.7: skeleton bad: segment Hips: its name, or its ID 2, is another's");
-  Take(FrameAt(0, 1, {body::Pose(), body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose(), body::Pose()}));
   ASSERT_EQ(translated_.Frames().size(), 1U);
   EXPECT_EQ(translated_.Bodies()[0].performer(), "good");
   EXPECT_EQ(translated_.Count(Counter::kPipelineBodiesRefused), 1U);
@@ -355,39 +355,39 @@ TEST_F(QtmTranslatorTest, ARefusedSkeletonIsNamedAndTheOthersPlay) {
 
 TEST_F(QtmTranslatorTest, AMeasurementThatBeginsIsANewSession) {
   Connect(Described({"a"}));
-  Take(FrameAt(50'000, 5, {body::Pose()}));
-  Take(FrameAt(60'000, 6, {body::Pose()}));
+  Handle(FrameAt(50'000, 5, {body::Pose()}));
+  Handle(FrameAt(60'000, 6, {body::Pose()}));
   const std::uint64_t first = translated_.items.back().session;
   EXPECT_EQ(translated_.items.back().sequence, translated_.items[1].sequence + 1);
-  Take(FrameAt(10'000, 1, {body::Pose()}));  // timestamps fall back
+  Handle(FrameAt(10'000, 1, {body::Pose()}));  // timestamps fall back
   const std::uint64_t second = translated_.items.back().session;
   EXPECT_EQ(second, first + 2);
-  Take(Described({"a"}));
+  Handle(Described({"a"}));
   for (const unsigned event : {1U, 3U, 8U}) {
     translated_.now_ns += 10 * kSecond_ns;
     const std::uint64_t before = translated_.items.back().session;
-    Take(EventOf(event));
-    Take(Described({"a"}));
-    Take(FrameAt(90'000, 2, {body::Pose()}));
+    Handle(EventOf(event));
+    Handle(Described({"a"}));
+    Handle(FrameAt(90'000, 2, {body::Pose()}));
     EXPECT_EQ(translated_.items.back().session, before + 2) << event;
   }
   for (const unsigned event : {2U, 4U, 9U, 11U, 200U}) {
     const std::uint64_t before = translated_.items.back().session;
-    Take(EventOf(event));
-    Take(FrameAt(90'000 + event, 3, {body::Pose()}));
+    Handle(EventOf(event));
+    Handle(FrameAt(90'000 + event, 3, {body::Pose()}));
     EXPECT_EQ(translated_.items.back().session, before) << event;
   }
   EXPECT_EQ(Fault(), "");
-  Take(EventOf(12));
+  Handle(EventOf(12));
   EXPECT_EQ(Fault(), "QTM shuts down");
 }
 
 // A file may have been captured at another rate, and in a volume whose other axis is up.
 TEST_F(QtmTranslatorTest, AFileThatBeginsHasItsOwnRateAndUpwardAxis) {
   Connect(Described({"a"}));
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   translated_.now_ns += 10 * kSecond_ns;
-  Take(EventOf(8));
+  Handle(EventOf(8));
   qtm::Parameters parameters;
   parameters.frequency_hz = 240;
   parameters.up = qtm::Axis::kY;
@@ -399,7 +399,7 @@ TEST_F(QtmTranslatorTest, AFileThatBeginsHasItsOwnRateAndUpwardAxis) {
   Bytes packet(qtm::kMaxPacketSize);
   packet.resize(qtm::EncodeFrame(*frame_, packet));
   translated_.items.clear();
-  Take(packet);
+  Handle(packet);
   ASSERT_EQ(translated_.Frames().size(), 1U);
   const auto pose = support::CanonicalPose(translated_.Bodies().back(), translated_.Frames()[0]);
   ASSERT_TRUE(pose);
@@ -408,21 +408,21 @@ TEST_F(QtmTranslatorTest, AFileThatBeginsHasItsOwnRateAndUpwardAxis) {
   EXPECT_LT(distance.hips_m, 0.001F);
   // Another connection may be to another QTM.
   translator().Connected(translated_.now_ns);
-  Take(Command("QTM RT Interface connected"));
-  Take(Command("Version set to 1.25"));
-  Take(Error("none"));
-  Take(Error("none"));
-  Take(Described({"a"}));
+  Handle(Command("QTM RT Interface connected"));
+  Handle(Command("Version set to 1.25"));
+  Handle(Error("none"));
+  Handle(Error("none"));
+  Handle(Described({"a"}));
   EXPECT_THAT(translated_.notes.back(), HasSubstr("QTM RT 1.25, +Z up, skeletons: a"));
 }
 
 TEST_F(QtmTranslatorTest, FramesLostAndRepeatedAreTold) {
   Connect(Described({"a"}));
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   const std::uint64_t first = translated_.items.back().sequence;
-  Take(FrameAt(40'000, 5, {body::Pose()}));
+  Handle(FrameAt(40'000, 5, {body::Pose()}));
   EXPECT_EQ(translated_.items.back().sequence, first + 4);
-  Take(FrameAt(40'000, 5, {body::Pose()}));
+  Handle(FrameAt(40'000, 5, {body::Pose()}));
   EXPECT_EQ(translated_.Count(Counter::kPipelineDuplicate), 1U);
   EXPECT_EQ(translated_.Frames().size(), 2U);
 }
@@ -430,12 +430,12 @@ TEST_F(QtmTranslatorTest, FramesLostAndRepeatedAreTold) {
 TEST_F(QtmTranslatorTest, AnUnknownSkeletonMakesItReadThemAnew) {
   Connect(Described({"a"}));
   translated_.now_ns += 2 * kSecond_ns;
-  Take(FrameAt(0, 1, {body::Pose(), body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose(), body::Pose()}));
   EXPECT_EQ(translated_.Count(Counter::kPipelineBeforeBody), 1U);
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
-  Take(Described({"a", "b"}));
+  Handle(Described({"a", "b"}));
   translated_.items.clear();
-  Take(FrameAt(10'000, 2, {body::Pose(), body::Pose()}));
+  Handle(FrameAt(10'000, 2, {body::Pose(), body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 2U);
 }
 
@@ -446,7 +446,7 @@ TEST_F(QtmTranslatorTest, SkeletonsAreReadAnewEverLessOftenWhileNothingChanges) 
     const std::int64_t begin_ns = translated_.now_ns;
     for (int i = static_cast<int>(10 * from); i < static_cast<int>(10 * to); ++i) {
       translated_.now_ns = begin_ns + i * kSecond_ns / 10;
-      Take(FrameAt(++time_us_, 1, {body::Pose(), body::Pose()}));
+      Handle(FrameAt(++time_us_, 1, {body::Pose(), body::Pose()}));
       if (Answers(Described(names))) asked.push_back(i / 10.0);
     }
     return asked;
@@ -457,24 +457,24 @@ TEST_F(QtmTranslatorTest, SkeletonsAreReadAnewEverLessOftenWhileNothingChanges) 
   EXPECT_THAT(seconds(0, 1, {"a", "c"}), IsEmpty());
   for (int i = 0; i < 3; ++i) {
     translated_.now_ns += 20 * kSecond_ns;
-    Take(EventOf(3));
+    Handle(EventOf(3));
     EXPECT_TRUE(Answers(Described({"a", "c"}))) << "at once, of measurements in succession";
   }
 }
 
 TEST_F(QtmTranslatorTest, AFloodOfEventsAsksOnce) {
   Connect(Described({"a"}));
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   translated_.now_ns += 2 * kSecond_ns;
   int asked = 0;
   for (int i = 0; i < 7281; ++i) {
-    Take(EventOf(3));
+    Handle(EventOf(3));
     asked += Answers(Described({"a"})) ? 1 : 0;
   }
   EXPECT_EQ(asked, 1);
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 2 * kSecond_ns) << "the next";
   Wait(2);
-  Take(EventOf(3));
+  Handle(EventOf(3));
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns)
       << "asked already: its answer is awaited";
   EXPECT_EQ(Fault(), "");
@@ -482,7 +482,7 @@ TEST_F(QtmTranslatorTest, AFloodOfEventsAsksOnce) {
 
 TEST_F(QtmTranslatorTest, TimecodeIsCarried) {
   Connect(Described({"a"}));
-  Take(FrameAt(0, 1, {body::Pose()}, true));
+  Handle(FrameAt(0, 1, {body::Pose()}, true));
   const auto frame = translated_.Frames().back();
   EXPECT_EQ(frame.timecode().hours(), 10U);
   EXPECT_EQ(frame.timecode().minutes(), 20U);
@@ -493,35 +493,35 @@ TEST_F(QtmTranslatorTest, TimecodeIsCarried) {
 TEST_F(QtmTranslatorTest, DamageIsCountedAndDisturbsNothing) {
   Connect(Described({"a"}));
   for (const DecodeCase& c : DecodeCases()) {
-    if (c.expected != qtm::DecodeResult::kOk) Take(c.packet);
+    if (c.expected != qtm::DecodeResult::kOk) Handle(c.packet);
   }
   EXPECT_EQ(translated_.Count(Counter::kSourceMalformed), 9U);
   EXPECT_THAT(translated_.items, IsEmpty());
-  Take(Pack(5, Any{20}));
-  Take(Xml("<Q/>"));
+  Handle(Pack(5, Any{20}));
+  Handle(Xml("<Q/>"));
   EXPECT_EQ(Fault(), "");
-  Take(FrameAt(0, 1, {body::Pose()}));
+  Handle(FrameAt(0, 1, {body::Pose()}));
   EXPECT_EQ(translated_.Frames().size(), 1U);
 }
 
 TEST_F(QtmTranslatorTest, DoesNotAllocateForFrames) {
   Connect(Described({"a", "b"}));
   for (std::uint32_t i = 1; i < 10; ++i) {
-    Take(FrameAt(10'000 * i, i, {body::Pose(), body::Pose()}, true));
+    Handle(FrameAt(10'000 * i, i, {body::Pose(), body::Pose()}, true));
   }
   const Bytes next = FrameAt(200'000, 20, {body::Pose(), body::Pose()}, true);
   EXPECT_EQ(support::Allocations(translated_.translator(), next, translated_.now_ns), 0);
 }
 
-// What frames and events make it ask, too.
+// The requests that frames and events cause, too.
 TEST_F(QtmTranslatorTest, DoesNotAllocateToReadSkeletonsAnew) {
   Connect(Described({"a", "b"}));
-  Take(FrameAt(10'000, 1, {body::Pose(), body::Pose()}));
+  Handle(FrameAt(10'000, 1, {body::Pose(), body::Pose()}));
   translated_.now_ns += 2 * kSecond_ns;
   const Bytes unknown = FrameAt(20'000, 2, {body::Pose(), body::Pose(), body::Pose()});
   EXPECT_EQ(support::Allocations(translated_.translator(), unknown, translated_.now_ns), 0);
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";
-  Take(Described({"a", "b"}));
+  Handle(Described({"a", "b"}));
   translated_.now_ns += 10 * kSecond_ns;
   EXPECT_EQ(support::Allocations(translated_.translator(), EventOf(3), translated_.now_ns), 0);
   EXPECT_EQ(translator().NextDeadline_ns(), translated_.now_ns + 5 * kSecond_ns) << "asked";

@@ -228,9 +228,9 @@ TEST_F(CliTest, DamageIsSaidAndIsNoErrorAndAFileWithoutItsBeginningIsSalvaged) {
 TEST_F(CliTest, ARecordingOfNothingIsSaidWhileItIsMadeAndAtItsEnd) {
   const std::string place = "ipc://" + (folder_ / "pub"), file = folder_ / "new";
   EXPECT_EQ(Run({"record", "--from", place, "--seconds", "3.3", file}), kExitOk);
-  EXPECT_THAT(err_.str(),
-              HasSubstr("nothing has come from " + place + " for 3 s; is styled running there?\n"));
-  EXPECT_THAT(err_.str(), HasSubstr(file + " has nothing: nothing came\n"));
+  EXPECT_THAT(err_.str(), HasSubstr("nothing has arrived from " + place +
+                                    " for 3 s; is styled running there?\n"));
+  EXPECT_THAT(err_.str(), HasSubstr(file + " is empty: nothing arrived\n"));
 }
 
 // A daemon of which only the statistics come, and rig.b.
@@ -244,8 +244,8 @@ TEST_F(CliTest, APerformerWhoIsNotThereIsSaidWithThoseWhoAre) {
   const std::jthread thread([&](const std::stop_token& token) {
     while (!token.stop_requested()) {
       daemon.value()->Idle();
-      EXPECT_TRUE(daemon.value()->Take(Published(0, "stats/", stats.SerializeAsString())).ok());
-      EXPECT_TRUE(daemon.value()->Take(Published(0, "body/rig.b/", "body")).ok());
+      EXPECT_TRUE(daemon.value()->Play(Published(0, "stats/", stats.SerializeAsString())).ok());
+      EXPECT_TRUE(daemon.value()->Play(Published(0, "body/rig.b/", "body")).ok());
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   });
@@ -253,7 +253,7 @@ TEST_F(CliTest, APerformerWhoIsNotThereIsSaidWithThoseWhoAre) {
     return Run({"record", "--from", place, "--performer", id, "--seconds", seconds, folder_ / id});
   };
   EXPECT_EQ(record("rig.zz", "4"), kExitOk);
-  EXPECT_THAT(err_.str(), HasSubstr("nothing of rig.zz has come from " + place +
+  EXPECT_THAT(err_.str(), HasSubstr("nothing of rig.zz has arrived from " + place +
                                     " for 3 s; there are rig.a, rig.b\n"));
   EXPECT_THAT(err_.str(), HasSubstr("has nothing of rig.zz, only statistics; there are"));
   EXPECT_EQ(record("rig.b", "4"), kExitOk);

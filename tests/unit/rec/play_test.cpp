@@ -21,7 +21,7 @@ class FakeOutlet final : public Outlet {
  public:
   explicit FakeOutlet(FakeClock& clock) : clock_(clock), start_ns_(clock.now_ns) {}
   void Note(const recording::Record& record) override { noted.push_back(record.note().text()); }
-  Status Take(const recording::Record& record) override {
+  Status Play(const recording::Record& record) override {
     taken.push_back(record.note().text());
     at_ms.push_back((clock_.now_ns - start_ns_) / kMillisecond_ns);
     clock_.now_ns += cost_ns;

@@ -21,7 +21,7 @@ class PublishOutletTest : public ::testing::Test {
     ASSERT_TRUE(made.ok()) << made.status().message();
     outlet_ = std::move(made.value());
   }
-  // Subscribes and waits until the outlet has heard of it.
+  // Subscribes and waits until the outlet has the subscription.
   void Subscribe(const std::string& topic) {
     const int before = outlet_->subscriptions();
     if (!connected_) socket_.connect(outlet_->endpoint());
@@ -45,7 +45,7 @@ class PublishOutletTest : public ::testing::Test {
     const std::string text = Receive();
     return text.substr(text.find(' ') + 1);
   }
-  void Take(const recording::Record& record) { ASSERT_TRUE(outlet_->Take(record).ok()); }
+  void Play(const recording::Record& record) { ASSERT_TRUE(outlet_->Play(record).ok()); }
 
   std::unique_ptr<PublishOutlet> outlet_;
   zmq::context_t context_{1};
@@ -74,7 +74,7 @@ TEST_F(PublishOutletTest, FramesAndStatisticsGetAnotherEpochAndKeepAllElse) {
   Subscribe("");
   std::uint64_t last_epoch = 9;
   for (int pass = 0; pass < 2; ++pass) {
-    Take(FrameRecord(4));
+    Play(FrameRecord(4));
     styled::v1::Frame frame, expected = testing::MakeFrame(body_, 4, 4);
     ASSERT_TRUE(frame.ParseFromString(ReceivePayload()));
     EXPECT_NE(frame.epoch(), last_epoch);
@@ -84,7 +84,7 @@ TEST_F(PublishOutletTest, FramesAndStatisticsGetAnotherEpochAndKeepAllElse) {
     styled::v1::Stats stats;
     stats.set_epoch(9);
     stats.set_wall_time_ns(3);
-    Take(Published(0, "stats/", stats.SerializeAsString()));
+    Play(Published(0, "stats/", stats.SerializeAsString()));
     ASSERT_TRUE(stats.ParseFromString(ReceivePayload()));
     EXPECT_EQ(stats.epoch(), frame.epoch()) << "one daemon's";
     EXPECT_EQ(stats.wall_time_ns(), 3U);
@@ -96,31 +96,31 @@ TEST_F(PublishOutletTest, FramesAndStatisticsGetAnotherEpochAndKeepAllElse) {
 TEST_F(PublishOutletTest, AsRecordedEverythingIsByteForByteAndWhatIsNoMessageAlwaysIs) {
   Bind(true);
   Subscribe("");
-  Take(FrameRecord(4));
+  Play(FrameRecord(4));
   EXPECT_EQ(ReceivePayload(), FrameRecord(4).published().payload());
   outlet_.reset();
   connected_ = false;
   socket_ = zmq::socket_t(context_, zmq::socket_type::sub);
   Bind(false);
   Subscribe("");
-  Take(Published(0, "styled/rig.a/rig/", "\xFF\xFF"));
+  Play(Published(0, "styled/rig.a/rig/", "\xFF\xFF"));
   EXPECT_EQ(Receive(), "styled/rig.a/rig/ \xFF\xFF");
   recording::Record note;
   note.mutable_note()->set_text("not published");
-  Take(note);
+  Play(note);
   EXPECT_EQ(outlet_->counts().messages, 1U);
 }
 
 TEST_F(PublishOutletTest, ALateSubscriberGetsTheBodiesAtOnce) {
   Bind();
   body_.set_hash(4);
-  Take(BodyRecord());
+  Play(BodyRecord());
   body_.set_hash(5);
-  Take(BodyRecord());
+  Play(BodyRecord());
   const auto canonical = testing::MakeBody("rig.a", styled::v1::OUTPUT_CANONICAL, 6);
-  Take(Published(0, "body/rig.a/", canonical.SerializeAsString()));
+  Play(Published(0, "body/rig.a/", canonical.SerializeAsString()));
   const auto other = testing::MakeBody("rig.b", styled::v1::OUTPUT_RIG, 7);
-  Take(Published(0, "body/rig.b/", other.SerializeAsString()));
+  Play(Published(0, "body/rig.b/", other.SerializeAsString()));
   Subscribe("body/rig.a/");
   EXPECT_EQ(ReceivePayload(), body_.SerializeAsString()) << "the last of its kind";
   EXPECT_EQ(ReceivePayload(), canonical.SerializeAsString());
@@ -136,10 +136,10 @@ TEST_F(PublishOutletTest, BodiesFromBeforeThePartThatIsPlayedComeBeforeIt) {
   Subscribe("");
   outlet_->Note(BodyRecord());
   EXPECT_EQ(Receive(50), "none");
-  Take(FrameRecord(1));
+  Play(FrameRecord(1));
   EXPECT_EQ(ReceivePayload(), body_.SerializeAsString());
   EXPECT_EQ(ReceivePayload(), FrameRecord(1).published().payload());
-  Take(FrameRecord(2));
+  Play(FrameRecord(2));
   EXPECT_EQ(ReceivePayload(), FrameRecord(2).published().payload());
 }
 

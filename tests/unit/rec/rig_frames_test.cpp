@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "model/base/crc32c.h"
 #include "tests/unit/rec/fakes.h"
 
 namespace styled::rec {
@@ -22,8 +23,8 @@ struct Sent {
 
 class RigFramesTest : public ::testing::Test {
  protected:
-  void Take(const recording::Record& record) {
-    frames_.Take(record, [this](const std::string& source, std::span<const std::byte> datagram) {
+  void Apply(const recording::Record& record) {
+    frames_.Apply(record, [this](const std::string& source, std::span<const std::byte> datagram) {
       Sent& sent = sent_.emplace_back();
       sent.source = source;
       ASSERT_EQ(native::Decode(datagram, sent.header), native::DecodeResult::kOk);
@@ -31,12 +32,12 @@ class RigFramesTest : public ::testing::Test {
       const void* const data = sent.header.payload.data();
       ASSERT_TRUE(sent.header.kind == native::Kind::kBody ? sent.body.ParseFromArray(data, size)
                                                           : sent.frame.ParseFromArray(data, size));
-      if (sent.header.kind == native::Kind::kBody) crc_ = native::Crc32c(sent.header.payload);
+      if (sent.header.kind == native::Kind::kBody) crc_ = Crc32c(sent.header.payload);
     });
   }
-  void TakeBody() { Take(Published(0, "body/rig.a/", body_.SerializeAsString())); }
-  void TakeFrame(std::int64_t time_ns, const styled::v1::Frame& frame) {
-    Take(Published(time_ns, "source/rig.a/", frame.SerializeAsString()));
+  void ApplyBody() { Apply(Published(0, "body/rig.a/", body_.SerializeAsString())); }
+  void ApplyFrame(std::int64_t time_ns, const styled::v1::Frame& frame) {
+    Apply(Published(time_ns, "source/rig.a/", frame.SerializeAsString()));
   }
   std::string Kinds() const {
     std::string kinds;
@@ -60,38 +61,38 @@ TEST(IdOfTopic, AcceptsTopicsOfAPerformerOnly) {
 }
 
 TEST_F(RigFramesTest, FramesWithoutABodyOrOfAnotherSizeAreLeftOutAndCounted) {
-  TakeFrame(0, testing::MakeFrame(body_, 1, 1));
-  TakeBody();
+  ApplyFrame(0, testing::MakeFrame(body_, 1, 1));
+  ApplyBody();
   auto frame = testing::MakeFrame(body_, 2, 2);
   frame.set_body_hash(6);
-  TakeFrame(0, frame);
+  ApplyFrame(0, frame);
   frame.set_body_hash(5);
   frame.add_rotations(1);
-  TakeFrame(0, frame);
+  ApplyFrame(0, frame);
   EXPECT_EQ(Kinds(), "");
   EXPECT_EQ(frames_.without_body(), 3U);
 }
 
 TEST_F(RigFramesTest, WhatIsNoFrameOfASourceIsPassedOver) {
-  TakeBody();
+  ApplyBody();
   const auto payload = testing::MakeFrame(body_, 1, 1).SerializeAsString();
   for (const char* topic : {"styled/rig.a/rig/", "stats/", "source/x/"}) {
-    Take(Published(0, topic, payload));
+    Apply(Published(0, topic, payload));
   }
-  Take(Published(0, "source/rig.a/", "\xFF\xFF"));
-  Take(Published(0, "body/rig.a/", "\xFF\xFF"));
+  Apply(Published(0, "source/rig.a/", "\xFF\xFF"));
+  Apply(Published(0, "body/rig.a/", "\xFF\xFF"));
   recording::Record note;
   note.mutable_note()->set_text("x");
-  Take(note);
+  Apply(note);
   EXPECT_EQ(Kinds(), "");
   EXPECT_EQ(frames_.without_body(), 0U);
 }
 
 TEST_F(RigFramesTest, ABodyAndAFrameBecomeTheRigsOwnDatagrams) {
-  TakeBody();
+  ApplyBody();
   auto published = testing::MakeFrame(body_, 3, 123'456);
   published.mutable_timecode()->set_frames(7);
-  TakeFrame(0, published);
+  ApplyFrame(0, published);
   ASSERT_EQ(Kinds(), "Bf");
   EXPECT_EQ(sent_[0].source, "rig");
   EXPECT_EQ(sent_[0].body.performer(), "a");
@@ -110,34 +111,34 @@ TEST_F(RigFramesTest, ABodyAndAFrameBecomeTheRigsOwnDatagrams) {
 }
 
 TEST_F(RigFramesTest, RestsOfADialectAreTheDaemonsAndThoseGivenAreTheRigs) {
-  TakeBody();
-  TakeFrame(0, testing::MakeFrame(body_, 1, 1));
+  ApplyBody();
+  ApplyFrame(0, testing::MakeFrame(body_, 1, 1));
   EXPECT_EQ(sent_[0].body.dialect(), "canonical");
   EXPECT_EQ(sent_[0].body.rest_size(), 0);
   body_.set_dialect("given");
   body_.set_hash(6);
-  TakeBody();
-  TakeFrame(0, testing::MakeFrame(body_, 2, 2));
+  ApplyBody();
+  ApplyFrame(0, testing::MakeFrame(body_, 2, 2));
   ASSERT_EQ(Kinds(), "BfBf");
   EXPECT_EQ(sent_[2].body.dialect(), "");
   EXPECT_EQ(sent_[2].body.rest_size(), 4 * body::kJointCount);
 }
 
 TEST_F(RigFramesTest, TheBodyComesAgainOnceASecond) {
-  TakeBody();
+  ApplyBody();
   for (int i = 0; i < 25; ++i) {
-    TakeFrame(i * 100 * kMillisecond_ns, testing::MakeFrame(body_, i + 1, i + 1));
+    ApplyFrame(i * 100 * kMillisecond_ns, testing::MakeFrame(body_, i + 1, i + 1));
   }
   EXPECT_EQ(Kinds(), "BffffffffffBffffffffffBfffff");
   for (std::size_t i = 0; i < sent_.size(); ++i) EXPECT_EQ(sent_[i].header.sequence, i);
 }
 
 TEST_F(RigFramesTest, HeldJointsAreUnknownAgain) {
-  TakeBody();
+  ApplyBody();
   auto frame = testing::MakeFrame(body_, 1, 1);
   frame.add_held_joints(2);
   frame.add_held_joints(4000);
-  TakeFrame(0, frame);
+  ApplyFrame(0, frame);
   const auto& rotations = sent_[1].frame.rotations();
   for (int i = 0; i < rotations.size(); ++i) {
     EXPECT_EQ(std::isnan(rotations[i]), i >= 8 && i < 12) << i;
@@ -145,24 +146,24 @@ TEST_F(RigFramesTest, HeldJointsAreUnknownAgain) {
 }
 
 TEST_F(RigFramesTest, APoseThatWasRepeatedInSilenceIsNotSent) {
-  TakeBody();
+  ApplyBody();
   auto frame = testing::MakeFrame(body_, 1, 1);
   frame.set_flags(styled::v1::FLAG_STALE | styled::v1::FLAG_BYPASS);
-  TakeFrame(0, frame);
+  ApplyFrame(0, frame);
   EXPECT_EQ(Kinds(), "");
 }
 
 TEST_F(RigFramesTest, ASequenceThatBeganAnewAndAnotherDaemonAreNewSessions) {
-  TakeBody();
-  TakeFrame(0, testing::MakeFrame(body_, 8, 1));
-  TakeFrame(0, testing::MakeFrame(body_, 9, 2));
-  TakeFrame(0, testing::MakeFrame(body_, 1, 3));  // the rig restarted
+  ApplyBody();
+  ApplyFrame(0, testing::MakeFrame(body_, 8, 1));
+  ApplyFrame(0, testing::MakeFrame(body_, 9, 2));
+  ApplyFrame(0, testing::MakeFrame(body_, 1, 3));  // the rig restarted
   auto frame = testing::MakeFrame(body_, 2, 4);
   frame.set_epoch(10);
-  TakeFrame(0, frame);  // the daemon did
+  ApplyFrame(0, frame);  // the daemon did
   frames_.Restart();
   frame.set_source_sequence(3);
-  TakeFrame(0, frame);
+  ApplyFrame(0, frame);
   ASSERT_EQ(Kinds(), "BffBfBfBf");
   EXPECT_EQ(sent_[2].header.session, 101U);
   EXPECT_EQ(sent_[3].header.session, 102U);
@@ -174,7 +175,7 @@ TEST_F(RigFramesTest, ASequenceThatBeganAnewAndAnotherDaemonAreNewSessions) {
 TEST_F(RigFramesTest, ABodyThatWasNotedIsEnoughAndIsSentWithTheFirstFrame) {
   frames_.Note(Published(0, "body/rig.a/", body_.SerializeAsString()));
   EXPECT_EQ(Kinds(), "");
-  TakeFrame(0, testing::MakeFrame(body_, 1, 1));
+  ApplyFrame(0, testing::MakeFrame(body_, 1, 1));
   EXPECT_EQ(Kinds(), "Bf");
 }
 

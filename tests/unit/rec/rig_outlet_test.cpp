@@ -44,8 +44,8 @@ class RigOutletTest : public ::testing::Test {
     options.as_recorded = as_recorded;
     return RigOutlet(std::move(options), clock_, nullptr);
   }
-  void Take(RigOutlet& outlet, const recording::Record& record) {
-    const Status status = outlet.Take(record);
+  void Play(RigOutlet& outlet, const recording::Record& record) {
+    const Status status = outlet.Play(record);
     ASSERT_TRUE(status.ok()) << status.message();
   }
 
@@ -55,9 +55,9 @@ class RigOutletTest : public ::testing::Test {
 
 TEST_F(RigOutletTest, AnAddressThatMakesNoSenseAndAnUnknownOriginAreRefused) {
   RigOutlet nowhere({.to = {{"", "http://x"}}}, clock_, nullptr);
-  EXPECT_THAT(nowhere.Take(Arrival(0, "x")).message(), HasSubstr("http://x"));
+  EXPECT_THAT(nowhere.Play(Arrival(0, "x")).message(), HasSubstr("http://x"));
   RigOutlet original({.to = {{"", "original"}}}, clock_, nullptr);
-  EXPECT_THAT(original.Take(Arrival(0, "x")).message(),
+  EXPECT_THAT(original.Play(Arrival(0, "x")).message(),
               HasSubstr("source 'rig': where it listened is not recorded"));
 }
 
@@ -66,7 +66,7 @@ TEST_F(RigOutletTest, WhatIsNotOursGoesByteForByte) {
   std::string damaged = FrameDatagram(5, 1);
   damaged.back() ^= 1;
   for (const std::string& bytes : {std::string("MXTP02 and more"), std::string(1, '\0'), damaged}) {
-    Take(outlet, Arrival(0, bytes));
+    Play(outlet, Arrival(0, bytes));
     EXPECT_EQ(listener_.Receive(), bytes);
   }
   EXPECT_EQ(outlet.counts().datagrams, 3U);
@@ -75,15 +75,15 @@ TEST_F(RigOutletTest, WhatIsNotOursGoesByteForByte) {
 TEST_F(RigOutletTest, OurDatagramsGetASessionOfTheirOwnAndKeepAllElse) {
   RigOutlet outlet = Make();
   const std::string sent = FrameDatagram(5, 41);
-  Take(outlet, Arrival(0, sent));
+  Play(outlet, Arrival(0, sent));
   const std::string first = listener_.Receive();
   EXPECT_NE(Header(first).session, 5U);
   EXPECT_EQ(Header(first).sequence, 41U);
   EXPECT_TRUE(std::ranges::equal(Header(first).payload, Header(sent).payload));
-  Take(outlet, Arrival(0, FrameDatagram(5, 42)));
+  Play(outlet, Arrival(0, FrameDatagram(5, 42)));
   EXPECT_EQ(Header(listener_.Receive()).session, Header(first).session) << "the same one again";
   outlet.Restart();
-  Take(outlet, Arrival(0, sent));
+  Play(outlet, Arrival(0, sent));
   const auto third = Header(listener_.Receive()).session;
   EXPECT_NE(third, Header(first).session);
   EXPECT_NE(third, 5U);
@@ -97,7 +97,7 @@ TEST_F(RigOutletTest, PiecesOfAStreamBecomeWholeDatagramsOfANewSessionAndWhatBro
     const auto take = [&](const std::string& piece) {
       recording::Record record = Arrival(0, piece);
       record.mutable_arrival()->set_type(type);
-      Take(outlet, record);
+      Play(outlet, record);
     };
     for (std::size_t at = 0; at < stream.size(); at += 25) {
       const auto before = outlet.counts().datagrams;
@@ -122,7 +122,7 @@ TEST_F(RigOutletTest, PiecesOfAStreamBecomeWholeDatagramsOfANewSessionAndWhatBro
 TEST_F(RigOutletTest, AsRecordedTheyGoByteForByteToo) {
   RigOutlet outlet = Make(true);
   const std::string sent = BodyDatagram(5, 0);
-  Take(outlet, Arrival(0, sent));
+  Play(outlet, Arrival(0, sent));
   EXPECT_EQ(listener_.Receive(), sent);
 }
 
@@ -130,7 +130,7 @@ TEST_F(RigOutletTest, EachSenderHasASocketOfItsOwn) {
   RigOutlet outlet = Make();
   std::vector<int> ports;
   for (const char* peer : {"10.0.0.1:1", "10.0.0.2:1", "10.0.0.1:1"}) {
-    Take(outlet, Arrival(0, "x", "rig", peer));
+    Play(outlet, Arrival(0, "x", "rig", peer));
     ASSERT_EQ(listener_.Receive(), "x");
     ports.push_back(listener_.from_port);
   }
@@ -141,9 +141,9 @@ TEST_F(RigOutletTest, EachSenderHasASocketOfItsOwn) {
 TEST_F(RigOutletTest, SourcesGoWhereTheyAreSentAndOthersNowhere) {
   Listener suit;
   RigOutlet outlet({.to = {{"suit", suit.url()}, {"rig", listener_.url()}}}, clock_, nullptr);
-  Take(outlet, Arrival(0, "to suit", "suit"));
-  Take(outlet, Arrival(0, "to rig", "rig"));
-  Take(outlet, Arrival(0, "to nobody", "hall"));
+  Play(outlet, Arrival(0, "to suit", "suit"));
+  Play(outlet, Arrival(0, "to rig", "rig"));
+  Play(outlet, Arrival(0, "to nobody", "hall"));
   EXPECT_EQ(suit.Receive(), "to suit");
   EXPECT_EQ(listener_.Receive(), "to rig");
   EXPECT_EQ(outlet.counts().elsewhere, 1U);
@@ -154,23 +154,23 @@ TEST_F(RigOutletTest, OriginalIsWhereItArrivedOnThisMachineWhereThatWasEveryAddr
   RigOutlet outlet({.to = {{"", "original"}}}, clock_, nullptr);
   recording::Record record = Arrival(0, "x");
   record.mutable_arrival()->set_listen("udp://0.0.0.0:" + std::to_string(listener_.port()));
-  Take(outlet, record);
+  Play(outlet, record);
   EXPECT_EQ(listener_.Receive(), "x");
 }
 
 TEST_F(RigOutletTest, ANewSessionIsPrecededByItsSilenceUpTo150MsAtAnySpeed) {
   RigOutlet outlet = Make();
-  Take(outlet, Arrival(0, FrameDatagram(5, 1)));
-  Take(outlet, Arrival(kMillisecond_ns, FrameDatagram(5, 2)));
+  Play(outlet, Arrival(0, FrameDatagram(5, 1)));
+  Play(outlet, Arrival(kMillisecond_ns, FrameDatagram(5, 2)));
   EXPECT_EQ(clock_.slept_ns, 0);
-  Take(outlet, Arrival(31 * kMillisecond_ns, FrameDatagram(6, 0)));
+  Play(outlet, Arrival(31 * kMillisecond_ns, FrameDatagram(6, 0)));
   EXPECT_EQ(clock_.slept_ns, 30 * kMillisecond_ns) << "a second sender is refused again";
-  Take(outlet, Arrival(60 * kSecond_ns, FrameDatagram(7, 0)));
+  Play(outlet, Arrival(60 * kSecond_ns, FrameDatagram(7, 0)));
   EXPECT_EQ(clock_.slept_ns, 180 * kMillisecond_ns);
-  Take(outlet, Arrival(60 * kSecond_ns, FrameDatagram(9, 0, "b")));
+  Play(outlet, Arrival(60 * kSecond_ns, FrameDatagram(9, 0, "b")));
   EXPECT_EQ(clock_.slept_ns, 180 * kMillisecond_ns) << "another performer waits for nobody";
   outlet.Restart();
-  Take(outlet, Arrival(0, FrameDatagram(7, 0)));
+  Play(outlet, Arrival(0, FrameDatagram(7, 0)));
   EXPECT_EQ(clock_.slept_ns, 330 * kMillisecond_ns) << "the same recording once more";
 }
 
@@ -181,11 +181,11 @@ TEST_F(RigOutletTest, ThePartThatIsPlayedBeginsWithTheBodiesFromBeforeIt) {
   outlet.Note(Arrival(1, FrameDatagram(5, 2)));
   outlet.Note(Arrival(1, BodyDatagram(8, 0, "b")));
   outlet.Note(Arrival(1, "MXTP02"));
-  Take(outlet, Arrival(2, FrameDatagram(5, 3)));
+  Play(outlet, Arrival(2, FrameDatagram(5, 3)));
   EXPECT_EQ(listener_.Receive(), BodyDatagram(5, 1)) << "the last one";
   EXPECT_EQ(listener_.Receive(), BodyDatagram(8, 0, "b"));
   EXPECT_EQ(listener_.Receive(), FrameDatagram(5, 3));
-  Take(outlet, Arrival(2, FrameDatagram(5, 4)));
+  Play(outlet, Arrival(2, FrameDatagram(5, 4)));
   EXPECT_EQ(listener_.Receive(), FrameDatagram(5, 4)) << "and once";
 }
 
@@ -193,7 +193,7 @@ TEST_F(RigOutletTest, WithoutArrivalsWhatWasPublishedIsSent) {
   RigOutlet outlet({.to = {{"rig", listener_.url()}}, .from_published = true}, clock_, nullptr);
   const auto body = testing::MakeBody("rig.a", styled::v1::OUTPUT_RIG, 5);
   outlet.Note(testing::Published(0, "body/rig.a/", body.SerializeAsString()));
-  Take(outlet,
+  Play(outlet,
        testing::Published(0, "source/rig.a/", testing::MakeFrame(body, 1, 1).SerializeAsString()));
   EXPECT_EQ(Header(listener_.Receive()).kind, native::Kind::kBody);
   EXPECT_EQ(Header(listener_.Receive()).kind, native::Kind::kSourceFrame);

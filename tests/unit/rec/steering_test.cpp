@@ -60,7 +60,7 @@ TEST_F(SteeringTest, ACommandWaitsForWhatWasSentBeforeIt) {
   per_look_ = 3;
   most_ = 1010;
   for (int i = 0; i < 10; ++i) steering.value()->BeforeSending();
-  ASSERT_TRUE(steering.value()->Take(Command("rig.a")).ok());
+  ASSERT_TRUE(steering.value()->Play(Command("rig.a")).ok());
   daemon_.Synchronize();
   EXPECT_THAT(commands_, ElementsAre("rig.a after 1010"));
   EXPECT_EQ(steering.value()->commands(), 1U);
@@ -70,7 +70,7 @@ TEST_F(SteeringTest, OtherRecordsAskNothing) {
   auto steering = Steering::Connect(daemon_.control(), clock_);
   ASSERT_TRUE(steering.ok());
   const int looks = looks_;
-  ASSERT_TRUE(steering.value()->Take(testing::Arrival(0, "x")).ok());
+  ASSERT_TRUE(steering.value()->Play(testing::Arrival(0, "x")).ok());
   daemon_.Synchronize();
   EXPECT_EQ(looks_, looks);
   EXPECT_TRUE(commands_.empty());
@@ -95,7 +95,7 @@ TEST_F(SteeringTest, ADaemonThatCountsInAnotherWayIsTakenToHaveCaughtUpWhenItSta
   most_ = 1003;  // of ten that were sent: it lost some
   for (int round = 0; round < 3; ++round) {
     for (int i = 0; i < 10; ++i) steering.value()->BeforeSending();
-    ASSERT_TRUE(steering.value()->Take(Command("rig.a")).ok());
+    ASSERT_TRUE(steering.value()->Play(Command("rig.a")).ok());
     daemon_.Synchronize();
     most_ += round == 0 ? 10 : 25;  // then none, then more than were sent
   }
@@ -105,8 +105,8 @@ TEST_F(SteeringTest, ADaemonThatCountsInAnotherWayIsTakenToHaveCaughtUpWhenItSta
 TEST_F(SteeringTest, WhatTheDaemonRefusesIsSaidAndTheRestGoesOn) {
   auto steering = Steering::Connect(daemon_.control(), clock_);
   ASSERT_TRUE(steering.ok());
-  EXPECT_TRUE(steering.value()->Take(Command("rig.unknown")).ok());
-  EXPECT_TRUE(steering.value()->Take(Command("rig.a")).ok());
+  EXPECT_TRUE(steering.value()->Play(Command("rig.unknown")).ok());
+  EXPECT_TRUE(steering.value()->Play(Command("rig.a")).ok());
   ASSERT_EQ(steering.value()->refused().size(), 1U);
   EXPECT_THAT(steering.value()->refused()[0], HasSubstr("rig.unknown"));
   EXPECT_THAT(steering.value()->refused()[0], HasSubstr("was not seen yet"));

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "model/base/crc32c.h"
 #include "tests/unit/rec/fakes.h"
 
 namespace styled::rec {
@@ -59,7 +60,7 @@ TEST_F(TakeTest, WithoutFramesItSaysWhatThereIs) {
             "test.styrec: found no frames of styled/rig.a/rig/; it holds: arrivals of source suit "
             "(udp), styled/rig.b/rig/");
   records_.clear();
-  EXPECT_THAT(Read().status().message(), HasSubstr("it holds: nothing of the kind"));
+  EXPECT_THAT(Read().status().message(), HasSubstr("it holds: nothing to export"));
 }
 
 TEST_F(TakeTest, WithoutABodyOrAPoseItSaysSo) {
@@ -124,7 +125,7 @@ TEST_F(TakeTest, APauseOfADayIsShortened) {
   AddBody(body_);
   for (int i = 0; i < 50; ++i) AddFrame(1 + i, 5 + i / 120.0);
   for (int i = 0; i < 50; ++i) AddFrame(51 + i, 3000 + i / 120.0);
-  now_ns_ += 82'000 * kSecond_ns;  // and the clock begins anew
+  now_ns_ += 82'000 * kSecond_ns;  // and the clock restarts
   for (int i = 0; i < 50; ++i) AddFrame(101 + i, i / 120.0);
   const Take take = ReadGood();
   ASSERT_EQ(take.times_s.size(), 150U);
@@ -196,7 +197,7 @@ TEST_F(TakeTest, TheSourceMayComeFromOurOwnDatagrams) {
     frame.set_source_time_ns(published.source_time_ns());
     *frame.mutable_root_position() = published.root_position();
     *frame.mutable_rotations() = published.rotations();
-    if (i > 1) frame.set_body_crc(native::Crc32c(std::as_bytes(std::span(payload))));
+    if (i > 1) frame.set_body_crc(Crc32c(std::as_bytes(std::span(payload))));
     records_.push_back(
         testing::Arrival(0, testing::Datagram(Kind::kSourceFrame, 1, i, frame.SerializeAsString()),
                          i == 4 ? "other" : "rig"));

@@ -239,7 +239,7 @@ TEST(ReaderTest, DamageBeforeABlockCutShortIsToldFromIt) {
   EXPECT_EQ(outcome.counts.tail_bytes, sample.bytes.size() - 5 - sample.blocks[3]);
 }
 
-// A block that says what it is not, though its checksums are right.
+// A block with false claims, though its checksums are right.
 Bytes WithBlock(const Bytes& payload, std::uint8_t type, std::uint8_t compression,
                 std::uint32_t raw_size) {
   const Sample sample = MakeSample();

@@ -163,7 +163,7 @@ TEST_F(WriterTest, TheHashOfAFileIsFnv1a) {
   EXPECT_FALSE(HashOfFile(folder_ / "none").ok());
 }
 
-// What a killed writer shares with the test.
+// The memory that a killed writer shares with the test.
 struct Progress {
   std::atomic<std::int64_t> first_ns;   // when the first record was added
   std::atomic<std::int64_t> polled_ns;  // when the writer last had the occasion to write

@@ -111,7 +111,8 @@ TEST(Tail, StandsInTheTPoseWhereTheBonesAre) {
   }
 }
 
-// What Read says is the change from the T-pose relative to the hand's, composed along the finger.
+// The rotations from Read are the change from the T-pose relative to the hand's, composed along the
+// finger.
 TEST(Tail, ReadsTheChangeRelativeToTheHandWhateverIsBetween) {
   Random random(3);
   const Gloved gloved = MakeGloved(random, 100);

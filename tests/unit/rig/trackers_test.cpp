@@ -116,7 +116,7 @@ class Worn {
     return Y(heading_[j]) * World(pose).rotations[j] * part_from_sensor_[j];
   }
   void Tell(Trackers& trackers, std::int64_t time_ns, const body::Pose& pose) const {
-    for (const Joint j : parts_) trackers.Take(j, time_ns, Says(j, pose));
+    for (const Joint j : parts_) trackers.Add(j, time_ns, Says(j, pose));
   }
   const std::vector<Joint>& parts() const { return parts_; }
 
@@ -429,9 +429,9 @@ TEST(Trackers, AreTakenAtTheTimeOfThePoseBetweenTheirSamples) {
   Trackers::Options options;
   options.delay_ns = kPeriod_ns;
   Trackers trackers(options);
-  trackers.Take(body::kHips, 0, Quat::Identity());
+  trackers.Add(body::kHips, 0, Quat::Identity());
   trackers.ResetFull(0);
-  for (int i = 1; i <= 20; ++i) trackers.Take(body::kHips, i * kPeriod_ns, Y(0.1F * i));
+  for (int i = 1; i <= 20; ++i) trackers.Add(body::kHips, i * kPeriod_ns, Y(0.1F * i));
   body::Pose pose;
   const auto heading_at = [&](std::int64_t now_ns) {
     EXPECT_TRUE(trackers.Solve(now_ns, pose));
@@ -444,9 +444,9 @@ TEST(Trackers, AreTakenAtTheTimeOfThePoseBetweenTheirSamples) {
   EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);  // very late: no further extrapolation
   EXPECT_NEAR(heading_at(30 * kPeriod_ns), 2.05F, 1e-3F);
   EXPECT_NEAR(heading_at(10 * kPeriod_ns), 1.3F, 1e-3F);  // the oldest sample that is kept
-  trackers.Take(body::kHips, 19 * kPeriod_ns, Y(3));      // older than the last: dropped
+  trackers.Add(body::kHips, 19 * kPeriod_ns, Y(3));       // older than the last: dropped
   EXPECT_NEAR(heading_at(22 * kPeriod_ns), 2.05F, 1e-3F);
-  trackers.Take(body::kHips, 20 * kPeriod_ns, Y(2.1F));  // replaces the last
+  trackers.Add(body::kHips, 20 * kPeriod_ns, Y(2.1F));  // replaces the last
   EXPECT_NEAR(heading_at(21 * kPeriod_ns), 2.1F, 1e-3F);
   EXPECT_NEAR(heading_at(20 * kPeriod_ns), 1.9F, 1e-3F);
 }
@@ -455,9 +455,9 @@ TEST(Trackers, ThatJumpAreNotThrownFurther) {
   Trackers::Options options;
   options.delay_ns = kPeriod_ns;
   Trackers trackers(options);
-  trackers.Take(body::kHips, 0, Quat::Identity());
+  trackers.Add(body::kHips, 0, Quat::Identity());
   trackers.ResetFull(0);
-  trackers.Take(body::kHips, kPeriod_ns, Y(1.5F));
+  trackers.Add(body::kHips, kPeriod_ns, Y(1.5F));
   body::Pose pose;
   EXPECT_TRUE(trackers.Solve(2 * kPeriod_ns + kPeriod_ns / 2, pose));
   EXPECT_NEAR(Degrees(pose.rotations[body::kHips], Y(1.5F)), 0.05F * 180 / kPi, 0.01F);
@@ -467,11 +467,11 @@ TEST(Trackers, WhoseSamplesComeInBurstsAreNotThrownAhead) {
   Trackers::Options options;
   options.delay_ns = kPeriod_ns;
   Trackers trackers(options);
-  trackers.Take(body::kHips, 0, Quat::Identity());
+  trackers.Add(body::kHips, 0, Quat::Identity());
   trackers.ResetFull(0);
   // Two samples, 10 ms apart, arrive within 0.1 ms, every 20 ms.
   for (int i = 1; i <= 20; ++i) {
-    trackers.Take(body::kHips, (i + i % 2) * kPeriod_ns - i % 2 * 100'000, Y(0.1F * i));
+    trackers.Add(body::kHips, (i + i % 2) * kPeriod_ns - i % 2 * 100'000, Y(0.1F * i));
   }
   body::Pose pose;
   EXPECT_TRUE(trackers.Solve(21 * kPeriod_ns + kPeriod_ns / 2, pose));
@@ -496,7 +496,7 @@ TEST(Trackers, OutOfStepGiveThePoseOfOneTime) {
     performer.Pose(static_cast<double>(ms) * 1e-3, said);
     for (std::size_t k = 0; k < kAllWorn.size(); ++k) {
       if (ms % 10 != static_cast<std::int64_t>(k * 7 % 10)) continue;
-      trackers.Take(kAllWorn[k], ms * 1'000'000, worn.Says(kAllWorn[k], said));
+      trackers.Add(kAllWorn[k], ms * 1'000'000, worn.Says(kAllWorn[k], said));
     }
     if (ms % 10 != 3 || ms < 100) continue;
     ASSERT_TRUE(trackers.Solve(ms * 1'000'000, pose));

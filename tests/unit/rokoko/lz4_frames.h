@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-// What the command `lz4` (1.9.4) made of a text.
+// The output of the command `lz4` (1.9.4) for a text.
 namespace styled::rokoko::testing {
 
 inline constexpr std::string_view kLz4Text =

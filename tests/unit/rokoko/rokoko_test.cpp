@@ -107,7 +107,7 @@ TEST(Rokoko, PropsAreReadInBothLayoutsAndWrongOnesMakeNoFrameWrong) {
   ASSERT_EQ(decoder.DecodeText(with("[" + many + "]"), frame), DecodeResult::kOk);
   EXPECT_EQ(frame.prop_count, kMaxProps);
   EXPECT_EQ(frame.props_left_out, 3);
-  // What we write reads back.
+  // Our encoding is decoded to the same values.
   std::string text(kMaxTextSize, '\0');
   text.resize(EncodeText(frame, text));
   Frame again;

@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "daemon/pipeline/body_binding.h"
+#include "daemon/perform/performer/body_binding.h"
 #include "daemon/source/rigs/rokoko.h"
 #include "model/rig/dialect_rests.h"
 #include "proto/rigs/rokoko/rokoko.h"
@@ -29,7 +29,7 @@ config::Source Config(std::string performer = "") {
   return config;
 }
 
-// What the stand-in sends of a pose.
+// The stand-in's datagram of a pose.
 Bytes Sent(const std::vector<std::string>& names, double time_s,
            const std::vector<std::string>& quirks = {},
            const std::vector<body::Pose>& poses = std::vector<body::Pose>(8)) {
@@ -79,7 +79,7 @@ TEST(RokokoTranslator, TheScenesPropsComeWithEveryActorMirrored) {
     EXPECT_EQ(prop.rotation(3), 0.5F);
   }
   EXPECT_EQ(frames, 2);
-  // One without a pose is counted once, whoever performs.
+  // A record without a pose is counted once, for any number of performers.
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   text.replace(text.find("\"props\":[") + 9, 0, "{},");
   text[text.find("\"timestamp\":1") + 12] = '2';
@@ -136,8 +136,8 @@ TEST(RokokoTranslator, TheBodyIsRightHandedUnderTheDialectRokoko) {
   EXPECT_EQ(said[1].frame.source_time_ns(), 1'500'000'000U);
 }
 
-// Studio's reference rotations stand in two tables: the wire's, and the dialect's, which somebody
-// else mirrored by hand.
+// Studio's reference rotations stand in two tables: the wire's, and the dialect's, which another
+// author mirrored by hand.
 TEST(RokokoTranslator, TheWiresReferenceRotationsAreTheDialectsMirrored) {
   for (int c = 0; c < body::kJointCount; ++c) {
     const int toe_end = c > body::kLeftToes ? 1 : 0;
@@ -202,7 +202,7 @@ TEST(RokokoTranslator, GlovesPutOnAreAnotherBodyOfTheSameSession) {
   ASSERT_EQ(gloved.size(), 2U);
   EXPECT_EQ(gloved[0].body.names_size(), 63);
   EXPECT_EQ(gloved[1].session, bare[1].session);
-  // Taken off they are fingers that nobody tracks.
+  // Taken off they are untracked fingers.
   const auto off = Said(translation, Sent({"anna"}, 1.2));
   ASSERT_EQ(off.size(), 1U);
   EXPECT_EQ(off[0].frame.rotations_size(), 4 * 63);

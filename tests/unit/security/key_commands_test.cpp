@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "clients/cpp/key_options.h"
-#include "clients/cpp/stylectl/cli.h"
+#include "clients/stylectl/cli.h"
 #include "proto/keys/key_folder.h"
 #include "tests/support/child.h"
 
@@ -72,12 +72,12 @@ TEST_F(KeyCommandsTest, ClientsAreLetInShownAndRevoked) {
 TEST_F(KeyCommandsTest, WhatIsWrongIsSaidAndNothingChanges) {
   const std::string key = keys::MakePair().value().public_key;
   EXPECT_EQ(RunAt({"allow", "anna", "nonsense"}), kExitRefused);
-  EXPECT_THAT(err_.str(), HasSubstr("'nonsense' is no public key; expected 40 characters"));
+  EXPECT_THAT(err_.str(), HasSubstr("'nonsense' is not a public key; expected 40 characters"));
   EXPECT_EQ(RunAt({"allow", "an na", key}), kExitRefused);
   EXPECT_EQ(RunAt({"allow", "anna", key, "--role", "king"}), kExitUsage);
   EXPECT_EQ(RunAt({"allow", "anna"}), kExitUsage);
   EXPECT_EQ(Run({"allow", "anna", key, "--keys", folder_ / "nowhere"}), kExitRefused);
-  EXPECT_THAT(err_.str(), HasSubstr("is no folder; expected the daemon's security.keys"));
+  EXPECT_THAT(err_.str(), HasSubstr("is not a folder; expected the daemon's security.keys"));
   EXPECT_EQ(Run({"keys", "--keys", folder_ / "nowhere", "--json"}), kExitRefused);
   EXPECT_FALSE(nlohmann::json::parse(out_.str())["ok"]);
   EXPECT_TRUE(keys::ReadClients(keys_).value().allowed.empty());

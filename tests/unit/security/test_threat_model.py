@@ -11,7 +11,7 @@ MACROS = r'TEST(?:_F|_P)?\(\s*\w+,\s*{}\s*\)|def {}\('
 
 
 def missing(file, test):
-    """What is wrong with FILE:TEST; '' where it exists."""
+    """The error in FILE:TEST; '' where it exists."""
     paths = [path for path in glob.glob(os.path.join(ROOT, 'tests', '**', '*'), recursive=True)
              if path.endswith('/' + file)]
     if len(paths) != 1:

@@ -13,7 +13,7 @@ struct ZapCase {
   ZapResult result;
 };
 
-// Requests as libzmq makes them, and as nobody should.
+// Requests as libzmq makes them, and malformed ones.
 inline std::vector<ZapCase> ZapCases() {
   const std::string key("\x00\x01\xFF key of thirty-two bytes, raw.", 32);
   const auto request = [&key](std::size_t place, const std::string& text) {

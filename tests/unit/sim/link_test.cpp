@@ -58,7 +58,7 @@ TEST(Link, ADeadUdpPortIsNoticedAndEveryDatagramLeavesAllTheSame) {
   ASSERT_TRUE(link.ok());
   const std::array<std::byte, 5> datagram{};
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(link.value()->Send(datagram).ok()) << i;
-  // The kernel says so at once, or a little later.
+  // The kernel reports it at once, or a little later.
   for (int i = 0; i < 1000 && link.value()->refused() < 50; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

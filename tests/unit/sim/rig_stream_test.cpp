@@ -20,7 +20,7 @@ namespace {
 using faults::Fault;
 using player::testing::FakeLink;
 
-// Keeps what it is asked to encode; its datagrams are the frames' indices.
+// Keeps the frames to encode; its datagrams are the frames' indices.
 class FakeRig final : public Rig {
  public:
   struct Seen {

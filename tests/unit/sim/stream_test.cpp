@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "model/base/crc32c.h"
 #include "tests/unit/sim/fakes.h"
 
 namespace styled::player {
@@ -77,7 +78,7 @@ TEST(Stream, DescribesTheSkeletonAndPointsEachFrameToIt) {
   EXPECT_EQ(frame.root_position(0), 1.0F);
   ASSERT_EQ(frame.rotations_size(), 8);
   EXPECT_EQ(frame.rotations(3), 1.0F);
-  EXPECT_EQ(frame.body_crc(), native::Crc32c(played.received[0].header.payload));
+  EXPECT_EQ(frame.body_crc(), Crc32c(played.received[0].header.payload));
 }
 
 TEST(Stream, TakesSourceTimeFromTheFrameIndexWithoutDrift) {

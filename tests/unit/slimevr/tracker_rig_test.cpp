@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "daemon/config/sources.h"
-#include "daemon/pipeline/body_binding.h"
+#include "daemon/perform/performer/body_binding.h"
 #include "proto/styled/v1/body.pb.h"
 #include "tests/support/count_new.h"
 #include "tests/support/native_frames.h"
@@ -33,7 +33,7 @@ config::Source Config(std::vector<config::Tracker> trackers = {}) {
   return config;
 }
 
-// A TrackerRig with what it says.
+// A TrackerRig with its events.
 struct RigBench final : Receiver {
   explicit RigBench(const config::Source& config) : rig(config) {}
 
@@ -165,7 +165,7 @@ TEST(TrackerRig, StandsInTheRestPoseUntilItIsCalibrated) {
   EXPECT_EQ(bench.rig.NextDeadline_ns(), Translator::kNever);
   EXPECT_FALSE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   for (std::int64_t ms = 0; ms < 100; ++ms) {
-    bench.rig.Take(body::kHips, Upright(0.01F * static_cast<float>(ms)), ms * kMs);
+    bench.rig.Accept(body::kHips, Upright(0.01F * static_cast<float>(ms)), ms * kMs);
     bench.Tick(ms * kMs);
   }
   ASSERT_EQ(bench.frames.size(), 10U);
@@ -180,10 +180,10 @@ TEST(TrackerRig, SendsTheCanonicalBodyInMetresAtItsRate) {
   config.rate_hz = 50;
   config.performer = "anna";
   RigBench bench(config);
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   for (std::int64_t ms = 0; ms < 1000; ++ms) {
-    bench.rig.Take(body::kHips, Upright(), ms * kMs);
+    bench.rig.Accept(body::kHips, Upright(), ms * kMs);
     bench.Tick(ms * kMs);
     EXPECT_GT(bench.rig.NextDeadline_ns(), ms * kMs);
   }
@@ -203,9 +203,9 @@ TEST(TrackerRig, SendsTheCanonicalBodyInMetresAtItsRate) {
 // 90 degrees to the left, in sensors' axes (+Z up) and in ours (+Y up).
 TEST(TrackerRig, TurnsTheSensorsWorldUpright) {
   RigBench bench(Config());
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
-  bench.rig.Take(body::kHips, Upright(1.5707963F), kMs);
+  bench.rig.Accept(body::kHips, Upright(1.5707963F), kMs);
   bench.Tick(20 * kMs);
   ASSERT_FALSE(bench.frames.empty());
   const auto& r = bench.frames.back().rotations();
@@ -216,13 +216,13 @@ TEST(TrackerRig, TurnsTheSensorsWorldUpright) {
 
 TEST(TrackerRig, TakesNothingThatIsNotUsable) {
   RigBench bench(Config());
-  bench.rig.Take(body::kHips, {{0, 0, 0, 1}, false}, 0);
+  bench.rig.Accept(body::kHips, {{0, 0, 0, 1}, false}, 0);
   EXPECT_FALSE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
 }
 
 TEST(TrackerRig, BeginsASessionWithEveryReset) {
   RigBench bench(Config());
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.Tick(0);
   const std::uint64_t first = bench.sessions.back();
@@ -236,9 +236,9 @@ TEST(TrackerRig, BeginsASessionWithEveryReset) {
 
 TEST(TrackerRig, SaysWhatAResetLeft) {
   RigBench bench(Config());
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
-  bench.rig.Take(body::kHead, Upright(), kMs);
+  bench.rig.Accept(body::kHead, Upright(), kMs);
   bench.Tick(kMs);
   EXPECT_THAT(bench.notes, ElementsAre(HasSubstr("calibrated hips")));
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kYaw, kMs).ok());
@@ -249,19 +249,19 @@ TEST(TrackerRig, SaysWhatAResetLeft) {
 
 TEST(TrackerRig, FallsSilentWithItsTrackersAndComesBack) {
   RigBench bench(Config());
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   for (std::int64_t ms = 0; ms <= 1000; ms += 10) bench.Tick(ms * kMs);
   EXPECT_EQ(bench.frames.size(), 31U) << "as long as the last sample is not stale";
   EXPECT_EQ(bench.rig.NextDeadline_ns(), Translator::kNever);
-  bench.rig.Take(body::kHips, Upright(), 2000 * kMs);
+  bench.rig.Accept(body::kHips, Upright(), 2000 * kMs);
   bench.Tick(2000 * kMs);
   EXPECT_EQ(bench.frames.size(), 32U);
 }
 
 TEST(TrackerRig, ThatWasHeldUpLeavesFramesOutAndSaysHowMany) {
   RigBench bench(Config());
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.Tick(0);
   bench.Tick(50 * kMs);
@@ -275,7 +275,7 @@ TEST(TrackerRig, ThatWasHeldUpLeavesFramesOutAndSaysHowMany) {
 TEST(TrackerRig, DoesNotAllocateFromTheSecondFrameOn) {
   RigBench bench(Config());
   bench.frames.reserve(64);
-  bench.rig.Take(body::kHips, Upright(), 0);
+  bench.rig.Accept(body::kHips, Upright(), 0);
   ASSERT_TRUE(bench.rig.Calibrate(Calibration::kFull, 0).ok());
   bench.Tick(0);
   bench.Tick(10 * kMs);
@@ -284,7 +284,7 @@ TEST(TrackerRig, DoesNotAllocateFromTheSecondFrameOn) {
   {
     const support::CountNew count;
     for (std::int64_t ms = 20; ms < 200; ms += 10) {
-      bench.rig.Take(body::kHips, Upright(0.001F * static_cast<float>(ms)), ms * kMs);
+      bench.rig.Accept(body::kHips, Upright(0.001F * static_cast<float>(ms)), ms * kMs);
       bench.rig.Tick(ms * kMs, bench.outbox);
     }
     calls = count.calls();

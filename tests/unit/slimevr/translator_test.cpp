@@ -91,15 +91,15 @@ class Bench final : public Receiver {
     return config;
   }
 
-  void Take(const Board& board, std::span<const std::byte> bytes) {
+  void Handle(const Board& board, std::span<const std::byte> bytes) {
     outbox_.Open(*this, fd_);
-    translator_->Take(bytes, board.peer, now_ns, outbox_);
+    translator_->Handle(bytes, board.peer, now_ns, outbox_);
     outbox_.Close();
   }
-  void Take(const Board& board, std::uint64_t number, const slimevr::Packet& packet) {
+  void Handle(const Board& board, std::uint64_t number, const slimevr::Packet& packet) {
     Bytes bytes(slimevr::kMaxUdpSize);
     bytes.resize(slimevr::Encode(number, packet, bytes));
-    Take(board, bytes);
+    Handle(board, bytes);
   }
   void Tick() {
     outbox_.Open(*this, fd_);
@@ -152,16 +152,16 @@ slimevr::SensorInfo AtHips(std::uint8_t sensor = 0) {
 TEST(SlimeVrTranslator, CountsWhatItCannotRead) {
   Bench bench;
   Board board;
-  bench.Take(board, Bytes(5));
-  bench.Take(board, Bytes());
+  bench.Handle(board, Bytes(5));
+  bench.Handle(board, Bytes());
   EXPECT_EQ(bench.Count(Counter::kSourceMalformed), 2U);
 }
 
 TEST(SlimeVrTranslator, DoesNotListenToATrackerThatHasNotGreeted) {
   Bench bench;
   Board board;
-  bench.Take(board, 1, AtHips());
-  bench.Take(board, 2, Upright());
+  bench.Handle(board, 1, AtHips());
+  bench.Handle(board, 2, Upright());
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 2U);
   EXPECT_TRUE(board.Received().empty());
   EXPECT_TRUE(bench.notes.empty());
@@ -171,7 +171,7 @@ TEST(SlimeVrTranslator, DoesNotListenToATrackerThatHasNotGreeted) {
 TEST(SlimeVrTranslator, AnswersAHandshake) {
   Bench bench;
   Board board;
-  bench.Take(board, slimevr::testing::kHandshake);
+  bench.Handle(board, slimevr::testing::kHandshake);
   EXPECT_THAT(
       board.Received(),
       ::testing::ElementsAre(slimevr::testing::Hex("03 48 65 79 20 4F 56 52 20 3D 44 20 35")));
@@ -180,10 +180,10 @@ TEST(SlimeVrTranslator, AnswersAHandshake) {
 TEST(SlimeVrTranslator, AcknowledgesSensorsAndTellsItsFeatures) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting());
+  bench.Handle(board, 0, Greeting());
   board.Received();
-  bench.Take(board, 1, AtHips(2));
-  bench.Take(board, 2, slimevr::FeatureFlags{});
+  bench.Handle(board, 1, AtHips(2));
+  bench.Handle(board, 2, slimevr::FeatureFlags{});
   EXPECT_THAT(board.Received(),
               ::testing::ElementsAre(slimevr::testing::Hex("00 00 00 0F 02 01"),
                                      slimevr::testing::Join({slimevr::testing::Header("16", "00"),
@@ -195,7 +195,7 @@ TEST(SlimeVrTranslator, SendsHeartbeatAndPingTwiceASecondUntilATrackerIsSilent) 
   Bench bench;
   Board board;
   EXPECT_EQ(bench.translator().NextDeadline_ns(), Translator::kNever);
-  bench.Take(board, 0, Greeting());
+  bench.Handle(board, 0, Greeting());
   board.Received();
   int heartbeats = 0, pings = 0;
   for (int i = 0; i < 100; ++i) {
@@ -210,69 +210,69 @@ TEST(SlimeVrTranslator, SendsHeartbeatAndPingTwiceASecondUntilATrackerIsSilent) 
   EXPECT_EQ(heartbeats, 10) << "5 s, every half second";
   EXPECT_EQ(pings, 10);
   EXPECT_EQ(bench.translator().NextDeadline_ns(), Translator::kNever);
-  bench.Take(board, 5, slimevr::Heartbeat{});
+  bench.Handle(board, 5, slimevr::Heartbeat{});
   bench.Tick();
   EXPECT_EQ(board.Received().size(), 0U);
-  bench.Take(board, 0, Greeting());
+  bench.Handle(board, 0, Greeting());
   EXPECT_NE(bench.translator().NextDeadline_ns(), Translator::kNever);
 }
 
 TEST(SlimeVrTranslator, TakesNumbersInOrderOnly) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting());
-  bench.Take(board, 5, AtHips());
-  bench.Take(board, 5, Upright());
-  bench.Take(board, 4, Upright());
+  bench.Handle(board, 0, Greeting());
+  bench.Handle(board, 5, AtHips());
+  bench.Handle(board, 5, Upright());
+  bench.Handle(board, 4, Upright());
   EXPECT_EQ(bench.Count(Counter::kPipelineDuplicate), 1U);
   EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 1U);
-  bench.Take(board, 0, slimevr::Ping{1});  // comes back as it was sent, with 0
-  bench.Take(board, 4, Upright());
+  bench.Handle(board, 0, slimevr::Ping{1});  // comes back as it was sent, with 0
+  bench.Handle(board, 4, Upright());
   EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 2U);
   EXPECT_FALSE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
-  bench.Take(board, 6, Upright());
+  bench.Handle(board, 6, Upright());
   EXPECT_TRUE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
 }
 
 TEST(SlimeVrTranslator, TellsATrackerSwitchedOnAgainFromOneThatLostTheNetwork) {
   Bench bench;
   Board board, elsewhere;
-  bench.Take(board, 0, Greeting());
-  bench.Take(board, 100, AtHips());
+  bench.Handle(board, 0, Greeting());
+  bench.Handle(board, 100, AtHips());
   bench.notes.clear();
   bench.now_ns += 3 * kSecond;
-  bench.Take(elsewhere, 0, Greeting());  // another port
-  bench.Take(elsewhere, 101, Upright());
+  bench.Handle(elsewhere, 0, Greeting());  // another port
+  bench.Handle(elsewhere, 101, Upright());
   EXPECT_TRUE(bench.notes.empty());
-  bench.Take(elsewhere, 0, Greeting());
-  bench.Take(elsewhere, 1, Upright());
+  bench.Handle(elsewhere, 0, Greeting());
+  bench.Handle(elsewhere, 1, Upright());
   EXPECT_THAT(bench.notes, ::testing::ElementsAre(HasSubstr("switched on again")));
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
-  bench.Take(board, 102, Upright());
+  bench.Handle(board, 102, Upright());
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U) << "where it is no more";
 }
 
 TEST(SlimeVrTranslator, GivesAPlaceToAnotherTrackerThatTookIt) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting(1));
-  bench.Take(board, 100, AtHips());
+  bench.Handle(board, 0, Greeting(1));
+  bench.Handle(board, 100, AtHips());
   bench.now_ns += 3 * kSecond;
-  bench.Take(board, 0, Greeting(2));
+  bench.Handle(board, 0, Greeting(2));
   slimevr::SensorInfo info;
   info.position = 1;
-  bench.Take(board, 1, info);
+  bench.Handle(board, 1, info);
   EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D02/0 is worn on head")));
 }
 
 TEST(SlimeVrTranslator, CountsUnassignedTrackersAndNamesThemOnce) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting());
+  bench.Handle(board, 0, Greeting());
   slimevr::SensorInfo info;
   for (std::uint64_t i = 1; i < 10; i += 2) {
-    bench.Take(board, i, info);
-    bench.Take(board, i + 1, Upright());
+    bench.Handle(board, i, info);
+    bench.Handle(board, i + 1, Upright());
   }
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 5U);
   EXPECT_EQ(bench.notes.size(), 1U);
@@ -284,10 +284,10 @@ TEST(SlimeVrTranslator, KnowsTheOneSensorOfOldFirmwareByItsTable) {
   config.trackers = {{"A848FAC01D01", "chest"}, {"127.0.0.1", "head"}};
   Bench bench(config);
   Board board, nameless;
-  bench.Take(board, 0, Greeting(1, 8));
-  bench.Take(board, 1, slimevr::LegacyRotation{0, slimevr::MakeOrientation(1, 0, 0, 1)});
-  bench.Take(nameless, 0, slimevr::Handshake{});
-  bench.Take(nameless, 1, slimevr::LegacyRotation{0, slimevr::MakeOrientation(1, 0, 0, 1)});
+  bench.Handle(board, 0, Greeting(1, 8));
+  bench.Handle(board, 1, slimevr::LegacyRotation{0, slimevr::MakeOrientation(1, 0, 0, 1)});
+  bench.Handle(nameless, 0, slimevr::Handshake{});
+  bench.Handle(nameless, 1, slimevr::LegacyRotation{0, slimevr::MakeOrientation(1, 0, 0, 1)});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
   ASSERT_TRUE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
   bench.Tick();
@@ -298,42 +298,42 @@ TEST(SlimeVrTranslator, KnowsTheOneSensorOfOldFirmwareByItsTable) {
 TEST(SlimeVrTranslator, IgnoresCorrectionsOfTheMagnetometer) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting());
-  bench.Take(board, 1, AtHips());
+  bench.Handle(board, 0, Greeting());
+  bench.Handle(board, 1, AtHips());
   slimevr::Rotation correction = Upright();
   correction.kind = 2;
-  bench.Take(board, 2, correction);
+  bench.Handle(board, 2, correction);
   EXPECT_FALSE(bench.translator().Calibrate(Calibration::kFull, bench.now_ns).ok());
 }
 
 TEST(SlimeVrTranslator, ResetsWhenATrackersButtonAsksForIt) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting());
-  bench.Take(board, 1, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  bench.Handle(board, 0, Greeting());
+  bench.Handle(board, 1, slimevr::UserAction{slimevr::UserAction::kFullReset});
   EXPECT_THAT(bench.notes, Contains(HasSubstr("no tracker that is assigned")));
-  bench.Take(board, 2, AtHips());
-  bench.Take(board, 3, Upright());
-  bench.Take(board, 4, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  bench.Handle(board, 2, AtHips());
+  bench.Handle(board, 3, Upright());
+  bench.Handle(board, 4, slimevr::UserAction{slimevr::UserAction::kFullReset});
   bench.Tick();
   EXPECT_THAT(bench.notes, Contains(HasSubstr("calibrated hips")));
   EXPECT_EQ(bench.frames.size(), 1U);
   const std::uint64_t session = bench.session;
-  bench.Take(board, 5, slimevr::UserAction{slimevr::UserAction::kYawReset});
+  bench.Handle(board, 5, slimevr::UserAction{slimevr::UserAction::kYawReset});
   bench.now_ns += 10 * kMs;
   bench.Tick();
   EXPECT_NE(bench.session, session);
-  bench.Take(board, 6, slimevr::UserAction{slimevr::UserAction::kMountingReset});
+  bench.Handle(board, 6, slimevr::UserAction{slimevr::UserAction::kMountingReset});
   EXPECT_THAT(bench.notes, Contains(HasSubstr("did not turn as a skier's")));
-  bench.Take(board, 7, slimevr::UserAction{slimevr::UserAction::kPause});
+  bench.Handle(board, 7, slimevr::UserAction{slimevr::UserAction::kPause});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
 }
 
 TEST(SlimeVrTranslator, SaysOnceThatATrackerReportsAnError) {
   Bench bench;
   Board board;
-  bench.Take(board, 0, Greeting());
-  for (std::uint64_t i = 1; i < 4; ++i) bench.Take(board, i, slimevr::Error{1, 14});
+  bench.Handle(board, 0, Greeting());
+  for (std::uint64_t i = 1; i < 4; ++i) bench.Handle(board, i, slimevr::Error{1, 14});
   EXPECT_THAT(bench.notes, ::testing::ElementsAre(HasSubstr("A848FAC01D01/1 reports error 14")));
 }
 
@@ -342,14 +342,14 @@ TEST(SlimeVrTranslator, HasRoomForSixtyFourBoardsAndForNewOnesWhenTheyAreSilent)
   std::vector<std::unique_ptr<Board>> boards;
   for (int i = 0; i < 65; ++i) {
     boards.push_back(std::make_unique<Board>());
-    bench.Take(*boards.back(), 0, Greeting(static_cast<std::uint8_t>(i)));
+    bench.Handle(*boards.back(), 0, Greeting(static_cast<std::uint8_t>(i)));
   }
   EXPECT_EQ(boards[63]->Received().size(), 1U);
   EXPECT_EQ(boards[64]->Received().size(), 0U);
   EXPECT_EQ(bench.Count(Counter::kSourceTableFull), 1U);
   EXPECT_THAT(bench.notes, ::testing::ElementsAre(HasSubstr("room for 64 trackers")));
   bench.now_ns += 6 * kSecond;
-  bench.Take(*boards[64], 0, Greeting(64));
+  bench.Handle(*boards[64], 0, Greeting(64));
   EXPECT_EQ(boards[64]->Received().size(), 1U);
 }
 
@@ -365,9 +365,9 @@ void Pass(Bench& bench, std::int64_t ms, const std::vector<Worn*>& worn) {
     for (Worn* each : worn) {
       for (const auto& answer : each->board.Answers()) {
         const auto* ping = std::get_if<slimevr::Ping>(&answer);
-        if (ping != nullptr) bench.Take(each->board, 0, *ping);
+        if (ping != nullptr) bench.Handle(each->board, 0, *ping);
       }
-      bench.Take(each->board, ++each->number, Upright());
+      bench.Handle(each->board, ++each->number, Upright());
     }
   }
 }
@@ -376,13 +376,13 @@ TEST(SlimeVrTakeover, WhoKnowsTheMacOfALiveTrackerIsRefusedUntilThatIsSilent) {
   Bench bench;
   Worn tracker;
   Board thief;
-  bench.Take(tracker.board, 0, Greeting());
-  bench.Take(tracker.board, ++tracker.number, AtHips());
+  bench.Handle(tracker.board, 0, Greeting());
+  bench.Handle(tracker.board, ++tracker.number, AtHips());
   Pass(bench, 3000, {&tracker});
   bench.notes.clear();
   for (int i = 0; i < 100; ++i) {
-    bench.Take(thief, 0, Greeting());
-    bench.Take(thief, 1'000'000, Upright());
+    bench.Handle(thief, 0, Greeting());
+    bench.Handle(thief, 1'000'000, Upright());
   }
   EXPECT_TRUE(thief.Received().empty());
   EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 100U);
@@ -392,25 +392,25 @@ TEST(SlimeVrTakeover, WhoKnowsTheMacOfALiveTrackerIsRefusedUntilThatIsSilent) {
   Pass(bench, 1000, {&tracker});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), ignored) << "the tracker goes on";
   EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 0U);
-  bench.Take(thief, 0, Greeting());
+  bench.Handle(thief, 0, Greeting());
   ASSERT_EQ(bench.notes.size(), 2U);
   EXPECT_THAT(bench.notes[1], HasSubstr("(100 times)"));
   Pass(bench, 2000, {});
-  bench.Take(thief, 0, Greeting());
+  bench.Handle(thief, 0, Greeting());
   EXPECT_TRUE(thief.Received().empty());
   Pass(bench, 100, {});
-  bench.Take(thief, 0, Greeting());
+  bench.Handle(thief, 0, Greeting());
   EXPECT_EQ(thief.Answers().size(), 1U) << "may be the tracker itself, at another address";
 }
 
 TEST(SlimeVrTakeover, ATrackerSwitchedOnAgainIsLetInAtItsAddressAtOnce) {
   Bench bench;
   Worn tracker;
-  bench.Take(tracker.board, 0, Greeting());
-  bench.Take(tracker.board, ++tracker.number, AtHips());
+  bench.Handle(tracker.board, 0, Greeting());
+  bench.Handle(tracker.board, ++tracker.number, AtHips());
   Pass(bench, 1000, {&tracker});
   tracker.board.Received();
-  bench.Take(tracker.board, 0, Greeting());
+  bench.Handle(tracker.board, 0, Greeting());
   EXPECT_EQ(tracker.board.Received().size(), 1U);
   tracker.number = 0;
   Pass(bench, 1000, {&tracker});
@@ -424,38 +424,38 @@ TEST(SlimeVrTakeover, AnotherDeviceIsRefusedWhereATrackerIsLive) {
   config.trackers = {{"A848FAC01D01", "hips"}};
   Bench bench(config);
   Worn tracker;
-  bench.Take(tracker.board, 0, Greeting(1));
-  bench.Take(tracker.board, ++tracker.number, AtHips());
+  bench.Handle(tracker.board, 0, Greeting(1));
+  bench.Handle(tracker.board, ++tracker.number, AtHips());
   Pass(bench, 3000, {&tracker});
   tracker.board.Received();
-  bench.Take(tracker.board, 0, Greeting(2));  // forged: the address is the tracker's
+  bench.Handle(tracker.board, 0, Greeting(2));  // forged: the address is the tracker's
   EXPECT_TRUE(tracker.board.Received().empty());
   EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 1U);
   Pass(bench, 1000, {&tracker});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 0U);
 }
 
-// Who forges the address that they send from never sees our ping.
+// A sender that forges its address never sees our ping.
 TEST(SlimeVrTakeover, AnAddressThatAnswersNoPingIsHeldForTwoSecondsOnly) {
   Bench bench;
   Board forged;
   Worn tracker;
-  bench.Take(forged, 0, Greeting());
+  bench.Handle(forged, 0, Greeting());
   for (int i = 0; i < 25; ++i) {
     bench.now_ns += 100 * kMs;
     bench.Tick();
-    bench.Take(forged, static_cast<std::uint64_t>(1000 + i), Upright());
-    bench.Take(forged, 0, slimevr::Ping{0});
-    bench.Take(forged, 0, slimevr::Ping{static_cast<std::uint32_t>(i)});
-    bench.Take(forged, 0, Greeting());
-    if (i == 10) bench.Take(tracker.board, 0, Greeting());
+    bench.Handle(forged, static_cast<std::uint64_t>(1000 + i), Upright());
+    bench.Handle(forged, 0, slimevr::Ping{0});
+    bench.Handle(forged, 0, slimevr::Ping{static_cast<std::uint32_t>(i)});
+    bench.Handle(forged, 0, Greeting());
+    if (i == 10) bench.Handle(tracker.board, 0, Greeting());
   }
   EXPECT_TRUE(tracker.board.Received().empty());
-  bench.Take(tracker.board, 0, Greeting());
+  bench.Handle(tracker.board, 0, Greeting());
   EXPECT_EQ(tracker.board.Answers().size(), 1U);
   for (int i = 0; i < 50; ++i) {
     Pass(bench, 100, {&tracker});
-    bench.Take(forged, 0, Greeting());
+    bench.Handle(forged, 0, Greeting());
   }
   EXPECT_EQ(bench.Count(Counter::kSourceTakeovers), 51U);
 }
@@ -463,9 +463,9 @@ TEST(SlimeVrTakeover, AnAddressThatAnswersNoPingIsHeldForTwoSecondsOnly) {
 TEST(SlimeVrTakeover, AWildNumberSilencesATrackerForTwoSecondsOnly) {
   Bench bench;
   Worn tracker;
-  bench.Take(tracker.board, 0, Greeting());
-  bench.Take(tracker.board, ++tracker.number, AtHips());
-  bench.Take(tracker.board, 1ULL << 60U, Upright());
+  bench.Handle(tracker.board, 0, Greeting());
+  bench.Handle(tracker.board, ++tracker.number, AtHips());
+  bench.Handle(tracker.board, 1ULL << 60U, Upright());
   Pass(bench, 2000, {&tracker});
   EXPECT_EQ(bench.Count(Counter::kPipelineReordered), 20U);
   Pass(bench, 2000, {&tracker});
@@ -482,10 +482,10 @@ TEST(SlimeVrTable, InventedDevicesDoNotLockOutThoseThatTheConfigurationNames) {
     live.push_back(invented.emplace_back(std::make_unique<Worn>()).get());
     slimevr::Handshake handshake = Greeting();
     handshake.mac = {2, 0, 0, 0, 1, static_cast<std::uint8_t>(i)};
-    bench.Take(live.back()->board, 0, handshake);
+    bench.Handle(live.back()->board, 0, handshake);
     slimevr::SensorInfo info;
     for (info.sensor = 0; info.sensor < 10; ++info.sensor) {
-      bench.Take(live.back()->board, ++live.back()->number, info);
+      bench.Handle(live.back()->board, ++live.back()->number, info);
     }
   }
   EXPECT_EQ(bench.Count(Counter::kSourceTableFull), 256U - 62U);
@@ -494,9 +494,9 @@ TEST(SlimeVrTable, InventedDevicesDoNotLockOutThoseThatTheConfigurationNames) {
   Pass(bench, 3000, live);
   Worn hips, chest;
   for (std::uint8_t i = 1; Worn * named : {&hips, &chest}) {
-    bench.Take(named->board, 0, Greeting(i++));
+    bench.Handle(named->board, 0, Greeting(i++));
     EXPECT_EQ(named->board.Answers().size(), 1U);
-    bench.Take(named->board, ++named->number, slimevr::SensorInfo());
+    bench.Handle(named->board, ++named->number, slimevr::SensorInfo());
   }
   EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D01/0 is worn on hips")));
   EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D02/0 is worn on chest")));
@@ -514,20 +514,20 @@ TEST(SlimeVrTable, OneDeviceWithManySensorsDoesNotFillItEither) {
   Board strange, chest, hips;
   slimevr::Handshake handshake = Greeting();
   handshake.mac = {2, 0, 0, 0, 1, 1};
-  bench.Take(strange, 0, handshake);
+  bench.Handle(strange, 0, handshake);
   slimevr::SensorInfo info;
   for (int i = 0; i < 256; ++i) {
     info.sensor = static_cast<std::uint8_t>(i);
-    bench.Take(strange, static_cast<std::uint64_t>(1 + i), info);
+    bench.Handle(strange, static_cast<std::uint64_t>(1 + i), info);
   }
   EXPECT_LE(bench.notes.size(), 64U);
-  bench.Take(hips, 0, Greeting(1));
-  bench.Take(hips, 1, slimevr::SensorInfo());
+  bench.Handle(hips, 0, Greeting(1));
+  bench.Handle(hips, 1, slimevr::SensorInfo());
   EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D01/0 is worn on hips")));
-  bench.Take(chest, 0, Greeting(2));  // not named, says itself where it is worn
+  bench.Handle(chest, 0, Greeting(2));  // not named, says itself where it is worn
   info = slimevr::SensorInfo();
   info.position = 4;
-  bench.Take(chest, 1, info);
+  bench.Handle(chest, 1, info);
   EXPECT_THAT(bench.notes, Contains(HasSubstr("A848FAC01D02/0 is worn on chest")));
 }
 
@@ -536,15 +536,15 @@ TEST(SlimeVrTable, AStrangersButtonResetsNobodyWhereTrackersAreNamed) {
   config.trackers = {{"A848FAC01D01", "hips"}};
   Bench bench(config);
   Board hips, stranger;
-  bench.Take(hips, 0, Greeting(1));
-  bench.Take(hips, 1, slimevr::SensorInfo());
-  bench.Take(hips, 2, Upright());
-  bench.Take(stranger, 0, Greeting(2));
-  bench.Take(stranger, 1, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  bench.Handle(hips, 0, Greeting(1));
+  bench.Handle(hips, 1, slimevr::SensorInfo());
+  bench.Handle(hips, 2, Upright());
+  bench.Handle(stranger, 0, Greeting(2));
+  bench.Handle(stranger, 1, slimevr::UserAction{slimevr::UserAction::kFullReset});
   EXPECT_EQ(bench.Count(Counter::kSourceIgnored), 1U);
   bench.Tick();
   EXPECT_THAT(bench.notes, ::testing::Not(Contains(HasSubstr("calibrated hips"))));
-  bench.Take(hips, 3, slimevr::UserAction{slimevr::UserAction::kFullReset});
+  bench.Handle(hips, 3, slimevr::UserAction{slimevr::UserAction::kFullReset});
   bench.Tick();
   EXPECT_THAT(bench.notes, Contains(HasSubstr("calibrated hips")));
 }
@@ -565,7 +565,7 @@ class Players {
 
   void Play(int milliseconds) {
     const auto send = [this](const Board& board) {
-      return [this, &board](std::span<const std::byte> bytes) { bench_.Take(board, bytes); };
+      return [this, &board](std::span<const std::byte> bytes) { bench_.Handle(board, bytes); };
     };
     for (int i = 0; i < milliseconds; ++i, ++ms_) {
       bench_.now_ns += kMs;

@@ -1,5 +1,5 @@
 // Poses that differ in their last bits, as on processors of another make, and poses that differ.
-#include "daemon/standby/entry.h"
+#include "daemon/log/entry.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,19 @@
 #include <numbers>
 #include <random>
 
-namespace styled::standby {
+namespace styled::log {
 namespace {
+
+using decide::FrameInTransit;
+
+FrameInTransit Styled(std::uint32_t crc, std::span<const std::byte> rounded_pose) {
+  FrameInTransit frame;
+  frame.decision.fate = v1::FATE_STYLED;
+  frame.decision.sequence = 7;
+  frame.styled_crc = crc;
+  frame.rounded_pose = rounded_pose;
+  return frame;
+}
 
 // A random pose.
 body::Pose PoseOf(unsigned seed) {
@@ -82,8 +93,8 @@ TEST(RoundedPoseTest, NumbersThatNoPoseHasAreRoundedToo) {
 TEST(CompareTest, TheFateTheBitsAndThenThePoseDecide) {
   const RoundedPose pose = Rounded(PoseOf(1)), other = Rounded(PoseOf(2));
   const auto bytes = [](const RoundedPose& of) { return std::as_bytes(std::span(&of, 1)); };
-  const Outcome here{v1::FATE_STYLED, false, 7, 0x11, bytes(pose)};
-  Outcome there = here;
+  const FrameInTransit here = Styled(0x11, bytes(pose));
+  FrameInTransit there = here;
   EXPECT_EQ(Compare(here, there), Comparison::kSame);
   there.styled_crc = 0x12;
   EXPECT_EQ(Compare(here, there), Comparison::kLastBits);
@@ -94,7 +105,7 @@ TEST(CompareTest, TheFateTheBitsAndThenThePoseDecide) {
   there.rounded_pose = {};
   EXPECT_EQ(Compare(here, there), Comparison::kApart);
   there = here;
-  there.fate = v1::FATE_PASSED_OVER;
+  there.decision.fate = v1::FATE_PASSED_OVER;
   EXPECT_EQ(Compare(here, there), Comparison::kApart);
 }
 
@@ -103,13 +114,14 @@ TEST(EntryTest, TheRoundedPoseIsInTheJournal) {
   source::SourceFrame frame, read;
   frame.performer = "a";
   v1::Handled entry;
-  Write(frame, {v1::FATE_STYLED, false, 7, 0x11, std::as_bytes(std::span(&pose, 1))}, entry);
-  Outcome outcome;
-  ASSERT_TRUE(Read(entry, read, outcome));
-  EXPECT_EQ(outcome.rounded_pose.size(), sizeof pose);
-  EXPECT_EQ(Compare({v1::FATE_STYLED, false, 7, 0x12, std::as_bytes(std::span(&pose, 1))}, outcome),
-            Comparison::kLastBits);
+  const auto bytes = std::as_bytes(std::span(&pose, 1));
+  FrameInTransit written = Styled(0x11, bytes), back;
+  written.given = &frame;
+  Write(written, entry);
+  ASSERT_TRUE(Read(entry, read, back));
+  EXPECT_EQ(back.rounded_pose.size(), sizeof pose);
+  EXPECT_EQ(Compare(Styled(0x12, bytes), back), Comparison::kLastBits);
 }
 
 }  // namespace
-}  // namespace styled::standby
+}  // namespace styled::log

@@ -1,5 +1,5 @@
 // Which settings two daemons of a pair compare.
-#include "daemon/pipeline/setup.h"
+#include "daemon/standby/setup.h"
 
 #include <gtest/gtest.h>
 

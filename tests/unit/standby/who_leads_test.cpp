@@ -116,9 +116,9 @@ TEST_F(RolesTest, OfTwoThatStartedApartTheSmallerNumberStays) {
 
 TEST_F(RolesTest, AWishIsSaidAndWaitsForTheGoodbye) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
-  roles.OnWish();
-  EXPECT_EQ(roles.said_role(), v1::ROLE_LEADING);
-  EXPECT_EQ(roles.said_term(), 4U);
+  roles.RequestLead();
+  EXPECT_EQ(roles.advertised_role(), v1::ROLE_LEADING);
+  EXPECT_EQ(roles.advertised_term(), 4U);
   EXPECT_EQ(roles.role(), v1::ROLE_FOLLOWING);
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kNone) << "its journal goes on until it has heard";
   EXPECT_EQ(roles.OnTime(1, true, true), Change::kNone);
@@ -130,7 +130,7 @@ TEST_F(RolesTest, AWishIsSaidAndWaitsForTheGoodbye) {
 
 TEST_F(RolesTest, AWishOfWhichTheLeaderHearsNothingIsATakeoverAfterTheHold) {
   EXPECT_EQ(roles.OnPeer(Leading(9, 3)), Change::kFollow);
-  roles.OnWish();
+  roles.RequestLead();
   EXPECT_EQ(Pass(roles, now_ns, 200), Change::kTakeOver);
   EXPECT_EQ(roles.term(), 4U);
 }
@@ -162,8 +162,8 @@ TEST_F(RolesTest, ATermThatNoPairReachesIsIgnored) {
 
 TEST_F(RolesTest, TheHighestTermStaysTheHighest) {
   EXPECT_EQ(roles.OnPeer(Leading(9, Roles::kMostTerm)), Change::kFollow);
-  roles.OnWish();
-  EXPECT_EQ(roles.said_term(), Roles::kMostTerm);
+  roles.RequestLead();
+  EXPECT_EQ(roles.advertised_term(), Roles::kMostTerm);
   EXPECT_EQ(Pass(roles, now_ns, 200), Change::kTakeOver);
   EXPECT_EQ(roles.term(), Roles::kMostTerm);
   Pass(roles, now_ns, 70'000);

@@ -1,4 +1,4 @@
-// A stylist whose network gets another style goes on as if it had had that style from the start.
+// A stylist whose network gets another style continues as if it had had that style from the start.
 #include <gtest/gtest.h>
 
 #include "model/body/humanoid.h"

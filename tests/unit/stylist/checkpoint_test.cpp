@@ -1,5 +1,5 @@
-// A stylist that reads another one's checkpoint goes on as that one does, bit for bit, whatever the
-// moment and whatever it did before.
+// A stylist that reads another's checkpoint continues like that one, bit for bit, at any moment and
+// after any input of its own.
 #include "model/base/checkpoint.h"
 
 #include <gtest/gtest.h>
@@ -112,8 +112,8 @@ struct CheckpointOf : testing::Test {
       std::make_shared<const rig::Binding>(feet::HumanoidBinding());
   Options options;
 
-  // Compares the stylist with copies that read its checkpoint at `every` so many frames: into one
-  // that is new, and into one in the middle of another show.
+  // Compares the stylist with copies that read its checkpoint every `every` frames: into one that
+  // is new, and into one in the middle of another show.
   void GoesOn(const std::shared_ptr<const net::Stylizer>& network, int every) {
     const auto styles = static_cast<int>(network->model().styles.size());
     const std::vector<Moment> show = Show(*binding, 1), other = Show(*binding, 2);
@@ -258,7 +258,7 @@ TEST_F(CheckpointOf, AnAvatarGoesOn) {
   }
 }
 
-// Bytes from elsewhere are refused, or leave a stylist that goes on in bounds.
+// Bytes from elsewhere are refused, or leave a stylist that stays in bounds.
 TEST_F(CheckpointOf, SpoiltBytesDoNoHarm) {
   auto both = net::Combine({{"erd", erd::RandomStylizer(3, 1)}, {"graph", Graph(2)}});
   ASSERT_TRUE(both.ok());

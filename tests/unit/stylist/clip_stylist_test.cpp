@@ -16,8 +16,8 @@ namespace styled::stylist {
 namespace {
 
 // A clip network that is a live network in disguise: it steps it with each pose, but gives the
-// predictions `delay` poses late, or all at the end (-1). What a ClipStylist makes of it must be
-// what a Stylist makes of the live network, bit for bit.
+// predictions `delay` poses late, or all at the end (-1). The output of a ClipStylist with it must
+// be that of a Stylist with the live network, bit for bit.
 class Disguised final : public net::ClipStylizer {
  public:
   Disguised(std::shared_ptr<const net::Stylizer> network, int style, float weight, int delay)
@@ -54,7 +54,7 @@ class Disguised final : public net::ClipStylizer {
       owner_.most_waiting = std::max(owner_.most_waiting, waiting_.size());
     }
     void End() override { ended_ = true; }
-    bool Take(net::Prediction& out) override {
+    bool Pop(net::Prediction& out) override {
       const bool late =
           owner_.delay_ >= 0 && waiting_.size() > static_cast<std::size_t>(owner_.delay_);
       if (waiting_.empty() || (!ended_ && !late)) return false;

@@ -21,7 +21,7 @@ using body::WorldPose;
 constexpr float kStoop_rad = 0.3F;
 
 // Three styles: one with a posture that the network does not show, one with the same posture, which
-// it shows by as much as is told, and one that has none.
+// it shows by the given share, and one that has none.
 class Stooping final : public net::Stylizer {
  public:
   Stooping() {
@@ -135,7 +135,7 @@ TEST_F(PostureTest, WhatTheNetworkShowsIsNotAddedAgain) {
   Show(2);
   EXPECT_LT(Perform(Standing(), 4), kStoop_rad * 1.25F) << "nor while it sets in";
   EXPECT_NEAR(Turn(body::kSpine).x(), kStoop_rad, 0.01);
-  // What it shows in part is filled up to less than the whole.
+  // A posture shown in part is filled up to less than the whole.
   network->shown = 0.4F;
   Perform(Standing(), 4);
   EXPECT_NEAR(Turn(body::kSpine).x(), 0.9F * kStoop_rad, 0.01);

@@ -198,7 +198,7 @@ struct StrideTest : testing::Test {
   Vec3 at = Vec3::Zero();
 
   using Path = std::function<Vec3(double time_s)>;
-  // Follows `path` for so long with a factor, calling `each` after every frame.
+  // Follows `path` for this long with a factor, calling `each` after every frame.
   void Go(
       const Path& path, double seconds, double rate_hz, float factor,
       const std::function<void()>& each = [] {}) {

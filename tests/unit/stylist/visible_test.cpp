@@ -34,21 +34,21 @@ TEST(IsUnseen, OneLimbThatMovesIsToBeSeen) {
   }
 }
 
-TEST(AsksForMuch, OfTheStylesButNeutralOnTheWholeBody) {
+TEST(RequestsVisibleStyle, OfTheStylesButNeutralOnTheWholeBody) {
   Settings settings;
-  EXPECT_FALSE(AsksForMuch(settings)) << "of none";
+  EXPECT_FALSE(RequestsVisibleStyle(settings)) << "of none";
   settings.mix[0] = {1, 0.5F};
-  EXPECT_TRUE(AsksForMuch(settings));
+  EXPECT_TRUE(RequestsVisibleStyle(settings));
   settings.strength = 0.9F;
-  EXPECT_FALSE(AsksForMuch(settings));
+  EXPECT_FALSE(RequestsVisibleStyle(settings));
   settings.mix[1] = {2, 0.25F};
-  EXPECT_TRUE(AsksForMuch(settings)) << "together";
+  EXPECT_TRUE(RequestsVisibleStyle(settings)) << "together";
   settings.parts = body::kAllParts ^ body::Bit(body::Part::kHead);
-  EXPECT_FALSE(AsksForMuch(settings)) << "of some parts";
+  EXPECT_FALSE(RequestsVisibleStyle(settings)) << "of some parts";
   settings.parts = body::kAllParts;
   settings.mix = {};
   settings.mix[0] = {0, 1};
-  EXPECT_FALSE(AsksForMuch(settings)) << "neutral is no style";
+  EXPECT_FALSE(RequestsVisibleStyle(settings)) << "neutral is no style";
 }
 
 }  // namespace

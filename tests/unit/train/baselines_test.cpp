@@ -71,11 +71,11 @@ TEST_F(BaselinesTest, AStreamGivesOnePredictionForEachPoseAndFollowsItsCode) {
         net::Prediction out;
         for (const body::Pose& pose : clip.poses) {
           stream->Add(pose);
-          EXPECT_FALSE(stream->Take(out)) << "a clip is styled at its end";
+          EXPECT_FALSE(stream->Pop(out)) << "a clip is styled at its end";
         }
         stream->End();
         int taken = 0;
-        for (; stream->Take(out); ++taken) {
+        for (; stream->Pop(out); ++taken) {
           for (std::size_t joint = 0; joint < body::kJointCount; ++joint) {
             ASSERT_NEAR(out.styled.rotations[joint].norm(), 1, 1e-4);
             ASSERT_NEAR(out.reconstruction.rotations[joint].norm(), 1, 1e-4);

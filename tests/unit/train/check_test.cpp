@@ -1,4 +1,4 @@
-// What is wrong with a run is said at once, before anything is trained.
+// Errors of a run are reported at once, before anything is trained.
 
 #include "model/train/check.h"
 
@@ -121,9 +121,9 @@ TEST_F(CheckTest, EverythingThatIsWrongIsSaidAtOnce) {
                           HasSubstr("--minutes: found neither it nor --iterations"),
                           AllOf(HasSubstr("--init "),
                                 HasSubstr("lost.safetensors: found no readable file")),
-                          AllOf(HasSubstr("--out "), HasSubstr("/file is no folder")),
+                          AllOf(HasSubstr("--out "), HasSubstr("/file is not a folder")),
                           AllOf(HasSubstr("--resume: found no "), HasSubstr("checkpoint.pt")),
-                          AllOf(HasSubstr("--validate "), HasSubstr("/file is no folder")),
+                          AllOf(HasSubstr("--validate "), HasSubstr("/file is not a folder")),
                           HasSubstr("walk_odd_2.bvh:"), HasSubstr("wave_odd_3.bvh: ")))
       << "each file once, though three splits use it";
 }

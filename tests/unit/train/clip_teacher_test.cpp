@@ -54,7 +54,7 @@ class Bender final : public net::ClipStylizer {
       out.reconstruction.hips_height_m = pose.hips_position_m.y() + 1;
     }
     void End() override {}
-    bool Take(net::Prediction& out) override {
+    bool Pop(net::Prediction& out) override {
       if (done_.empty()) return false;
       out = done_.front();
       done_.pop_front();

@@ -173,7 +173,7 @@ TEST(Dataset, AClipWithoutAKnownRestPoseOrFloorIsPutRightByItsManifest) {
   const support::TemporaryFolder temporary;
   const auto& folder = temporary.path();
   ASSERT_TRUE(clip::WriteBvh(HangingAndHigh(), folder / "one.bvh").ok());
-  EXPECT_NE(LoadOne(folder, "").status().message().find("no T-pose"), std::string::npos);
+  EXPECT_NE(LoadOne(folder, "").status().message().find("not a T-pose"), std::string::npos);
 
   const auto as_it_is = LoadOne(folder, "rig = \"standing\"\n");
   ASSERT_TRUE(as_it_is.ok()) << as_it_is.status().message();

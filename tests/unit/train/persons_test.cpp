@@ -14,7 +14,7 @@ namespace {
 using judge::kRate_hz;
 using judge::Walk;
 
-// Somebody with a bent neck; `person` empty: the set's performer.
+// A person with a bent neck; `person` empty: the set's performer.
 TrainingClip Clip(const std::string& person, float bent_rad, std::vector<body::Pose> poses) {
   TrainingClip clip;
   clip.person = person;
@@ -31,7 +31,7 @@ float Neck_rad(const TrainingClip& clip) {
 
 std::vector<TrainingClip> Own() { return {Clip("", 0, Walk(0)), Clip("", 0, Walk(0, 0, 0))}; }
 
-TEST(TakePersonsOut, EachByThemselvesAndInEveryClip) {
+TEST(RemovePersons, EachByThemselvesAndInEveryClip) {
   std::vector<TrainingClip> clips = Own();
   clips.push_back(Clip("a", 0.4F, Walk(0.7F)));
   clips.push_back(Clip("b", -0.2F, Walk(0)));
@@ -42,7 +42,7 @@ TEST(TakePersonsOut, EachByThemselvesAndInEveryClip) {
   }
   clips.push_back(raised);
   const auto own = clips[0].poses;
-  const Status status = TakePersonsOut(kRate_hz, clips);
+  const Status status = RemovePersons(kRate_hz, clips);
   ASSERT_TRUE(status.ok()) << status.message();
   for (std::size_t clip = 2; clip < clips.size(); ++clip) {
     EXPECT_LT(Neck_rad(clips[clip]), 0.03F) << clip;
@@ -55,23 +55,23 @@ TEST(TakePersonsOut, EachByThemselvesAndInEveryClip) {
   }
 }
 
-TEST(TakePersonsOut, SaysWhoNeverStandsOrWalks) {
+TEST(RemovePersons, SaysWhoNeverStandsOrWalks) {
   std::vector<TrainingClip> clips = Own();
   auto lying = Clip("c", 0, Walk(0, 0, 0));
   for (body::Pose& pose : lying.poses) {
     pose.rotations[body::kHips] = body::Exp(body::Vec3(1.57F, 0, 0));
   }
   clips.push_back(lying);
-  const Status status = TakePersonsOut(kRate_hz, clips);
+  const Status status = RemovePersons(kRate_hz, clips);
   ASSERT_FALSE(status.ok());
   EXPECT_NE(status.message().find("\"c\""), std::string::npos) << status.message();
 }
 
-TEST(TakePersonsOut, NeedsPerformersOfTheSet) {
+TEST(RemovePersons, NeedsPerformersOfTheSet) {
   std::vector<TrainingClip> clips{Clip("a", 0.4F, Walk(0))};
-  EXPECT_FALSE(TakePersonsOut(kRate_hz, clips).ok());
+  EXPECT_FALSE(RemovePersons(kRate_hz, clips).ok());
   clips[0].person.clear();
-  EXPECT_TRUE(TakePersonsOut(kRate_hz, clips).ok()) << "nobody is asked for";
+  EXPECT_TRUE(RemovePersons(kRate_hz, clips).ok()) << "nobody is asked for";
 }
 
 }  // namespace

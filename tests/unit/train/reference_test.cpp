@@ -60,7 +60,7 @@ TEST(MeasureReference, IsTheMeanOfWhoStandsAndOfWhoWalksInNeutral) {
   EXPECT_LT(angle(reference->walking, body::kHips, {0, 0, 0}), 0.02) << "against the heading";
   EXPECT_LT(angle(reference->walking, body::kLeftFoot, {0, 0.05F, 0}), 0.01) << "symmetric";
   EXPECT_LT(angle(reference->walking, body::kRightFoot, {0, -0.05F, 0}), 0.01);
-  // Who stands with bent elbows shows something: their arms are those of walking.
+  // A person who stands with bent elbows shows something: their arms are those of walking.
   const auto arm = static_cast<std::size_t>(body::kLeftUpperArm);
   EXPECT_TRUE(reference->standing.rotations[arm].isApprox(body::Exp({0, 0, -1.57F}), 0.05F));
 }

@@ -116,7 +116,6 @@ split = "validation"
     config.smooth_from = 0.0;
     config.monitor_every = 100;
     config.w_moments = 10;
-    config.w_movement = config.w_legs = 0.3;
     config.offset = config.noise = 0.1;
     return config;
   }
@@ -222,7 +221,7 @@ TEST_F(Run, ARunStartsFromWeights) {
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("--init "));
 }
 
-// What the daemon's network makes of a walk in `style`, every component of every frame.
+// The output of the daemon's network for a walk in `style`, every component of every frame.
 std::vector<float> Styled(const std::filesystem::path& weights, const std::string& style) {
   const auto loaded = erd::Network::Load(weights);
   EXPECT_TRUE(loaded.ok()) << loaded.status().message();
@@ -276,11 +275,11 @@ TEST_F(AddedStyle, LearnsAndTheOthersStayBitForBit) {
   EXPECT_EQ(Styled(config.init, "odd"), Styled(root_ / "added" / "weights.safetensors", "odd"));
   EXPECT_NE(Styled(file, "new"), Styled(root_ / "added" / "weights.safetensors", "new"));
 
-  // What cannot be: a style that is there, a manifest of other styles, nothing to add to.
+  // Refused: an existing style, a manifest of other styles, nothing to add to.
   config.resume = false;
   config.init = file;
   EXPECT_THAT(Train(config).message(),
-              testing::HasSubstr("already has a style \"new\"; --replace learns it anew"));
+              testing::HasSubstr("already has a style \"new\"; --replace trains it again"));
   config.manifest = root_ / "manifest.toml";
   EXPECT_THAT(Train(config).message(), testing::HasSubstr("found \"neutral\" \"odd\", expected"));
   config.init.clear();
@@ -347,7 +346,6 @@ class Taught : public Run {
     config.teachers = std::move(teachers);
     config.w_teacher = weight;
     config.w_adversarial = config.w_perceptual = config.w_smooth = 0;
-    config.w_movement = config.w_legs = 0;
     config.iterations = 100;
     config.log_every = 10;
     return config;
@@ -388,7 +386,8 @@ TEST_F(Taught, ALessonIsOfOneContentAndAsStrongAsItSays) {
   Check(Train(Student("half", {strong_ + ":odd*0.5"})));
   Check(Train(Student("walk", {strong_ + ":odd,odd/wave*0.01"})));
   Check(Train(Student("wave", {strong_, weak_ + ":odd/walk"})));
-  // Walks and waves of this data set are too alike to be told apart: what is learned lies between.
+  // Walks and waves of this data set are too alike to be distinguished: the learned pose lies
+  // between.
   const double all = LogOf("all", "change_rad").back();
   for (const char* out : {"half", "walk", "wave"}) {
     const double change = LogOf(out, "change_rad").back();
@@ -593,7 +592,7 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   Check(ExportRun(config.out, file));
   ExpectRuntimeAgrees<erd::kWide>(config.out, file);
 
-  // Neither a run that goes on nor one that starts from weights changes its shape.
+  // Neither a resumed run nor one that starts from weights changes its shape.
   config.wide = false;
   config.resume = true;
   config.iterations = 20;

@@ -43,7 +43,8 @@ TEST(Sampler, SlotsKeepTheirRolesAndWindowsFitTheirClips) {
   EXPECT_NEAR(carried, 800, 100);
 }
 
-// Style 2 was never recorded in content 1: its neutral windows seldom are of it, and then say so.
+// Style 2 was never recorded in content 1: its neutral windows are seldom of it, and are then
+// marked.
 TEST(Sampler, NeutralWindowsHaveContentsOfTheirTargetOrAreUnpaired) {
   std::vector<TrainingClip> clips = Clips();
   clips.pop_back();

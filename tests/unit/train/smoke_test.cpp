@@ -1,5 +1,6 @@
 // A whole training in small: the synthetic performer in two manners, some minutes of motion, judges
-// of its own. What is trained must be told apart by them; what is not trained must fail the same.
+// of its own. The judges must distinguish the trained styles; without training the same checks must
+// fail.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,7 +11,7 @@
 #include "model/clip/clip.h"
 #include "model/synthetic/performer.h"
 #include "model/train/erd/recipe.h"
-#include "model/train/judge/judge_validation.h"
+#include "model/train/judge/validation.h"
 #include "model/train/trainer.h"
 
 namespace styled::train {

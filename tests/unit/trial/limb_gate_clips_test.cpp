@@ -29,9 +29,8 @@ struct LimbGateOnClips : testing::Test {
     network = loaded.value();
   }
 
-  // What a style turns the joints of each limb by, rad in the mean over joints and frames, with the
-  // gate; that as a share of what it would be without; and the least of its style that a limb
-  // shows.
+  // The rotation of each limb's joints by a style, rad in the mean over joints and frames, with the
+  // gate; that as a share of the rotation without it; and the least of its style that a limb shows.
   struct Shown {
     PerLimb turned_rad, left, least{1, 1, 1, 1, 1};
   };

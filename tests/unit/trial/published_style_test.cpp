@@ -16,8 +16,8 @@
 namespace styled::stylist {
 namespace {
 
-// What a style turns the joints of a limb by, rad: the mean over time, which is a pose, and what is
-// left of it, the movement. Root mean squares over joints and frames.
+// The rotation of a limb's joints by a style, rad: the mean over time, which is a pose, and the
+// rest, the movement. Root mean squares over joints and frames.
 struct Figures {
   PerLimb pose{}, movement{};
 };

@@ -79,7 +79,7 @@ Apart Between(const std::vector<body::Pose>& a, const std::vector<body::Pose>& b
   return apart;
 }
 
-// What a built-in performer becomes in a style, 10 s at 120 Hz.
+// A built-in performer in a style, 10 s at 120 Hz.
 std::vector<body::Pose> Styled(const std::shared_ptr<const net::Stylizer>& network, int style,
                                std::uint64_t seed) {
   const auto binding = std::make_shared<const rig::Binding>(feet::HumanoidBinding());

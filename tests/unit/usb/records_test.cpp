@@ -13,7 +13,7 @@ namespace {
 using runtime::Counter;
 using support::Bytes;
 
-// What comes out, whole.
+// The records, whole.
 class Collector final : public Receiver {
  public:
   void OnFrames(int, std::span<const SourceFrame> frames, bool) override {
@@ -24,8 +24,8 @@ class Collector final : public Receiver {
 
 class RecordsTest : public testing::Test {
  protected:
-  void Take(std::span<const std::byte> bytes, std::uint32_t device = 1) {
-    records_.Take({false, device, ++now_ns_, bytes}, out_);
+  void Decode(std::span<const std::byte> bytes, std::uint32_t device = 1) {
+    records_.Decode({false, device, ++now_ns_, bytes}, out_);
   }
   std::uint64_t Count(Counter counter) const { return counters_.Get(counter); }
 
@@ -38,10 +38,10 @@ class RecordsTest : public testing::Test {
 TEST_F(RecordsTest, WhatIsNoRecordIsCountedAndTheNextTransferBeginsAnew) {
   support::Rig rig("a");
   Bytes transfer(100, std::byte{0});
-  Take(transfer);
+  Decode(transfer);
   EXPECT_EQ(Count(Counter::kUsbBadReports), 1U);
   EXPECT_EQ(Count(Counter::kSourceBadMagic), 1U);
-  Take(rig.Frame());
+  Decode(rig.Frame());
   EXPECT_EQ(out_.sequences, (std::vector<std::uint64_t>{0}));
 }
 
@@ -50,8 +50,8 @@ TEST_F(RecordsTest, AVersionOrALengthThatCannotBeIsCountedByItsReason) {
   Bytes version = rig.Frame(), length = rig.Frame();
   version[4] = std::byte{9};
   length[11] = std::byte{0xFF};
-  Take(version);
-  Take(length);
+  Decode(version);
+  Decode(length);
   EXPECT_EQ(Count(Counter::kSourceBadVersion), 1U);
   EXPECT_EQ(Count(Counter::kSourceTooLong), 1U);
   EXPECT_EQ(Count(Counter::kUsbBadReports), 2U);
@@ -64,8 +64,8 @@ TEST_F(RecordsTest, RecordsBeforeABrokenOneInTheSameTransferComeOutThoseBehindIt
   transfer.resize(transfer.size() + 50);
   const Bytes behind = rig.Frame();
   transfer.insert(transfer.end(), behind.begin(), behind.end());
-  Take(transfer);
-  Take(rig.Frame());
+  Decode(transfer);
+  Decode(rig.Frame());
   EXPECT_EQ(out_.sequences, (std::vector<std::uint64_t>{0, 2}));
 }
 
@@ -73,9 +73,9 @@ TEST_F(RecordsTest, ARecordMayBeCutAnywhere) {
   support::Rig rig("a");
   const Bytes record = rig.Frame();
   for (std::size_t cut = 1; cut < record.size(); ++cut) {
-    Take(std::span(record).first(cut));
+    Decode(std::span(record).first(cut));
     EXPECT_EQ(out_.sequences.size(), cut - 1);
-    Take(std::span(record).subspan(cut));
+    Decode(std::span(record).subspan(cut));
     ASSERT_EQ(out_.sequences.size(), cut);
   }
   EXPECT_EQ(Count(Counter::kUsbBadReports), 0U);
@@ -92,7 +92,7 @@ TEST_F(RecordsTest, ATransferMayHoldMoreRecordsThanABatch) {
     transfer.insert(transfer.end(), record.begin(), record.end());
   }
   ASSERT_LE(transfer.size(), Reports::kMaxSize);
-  Take(transfer);
+  Decode(transfer);
   EXPECT_EQ(out_.sequences.size(), 300U);
   EXPECT_EQ(records_.received(), 300U);
 }
@@ -106,7 +106,7 @@ TEST_F(RecordsTest, TheLongestRecordCrossesManyTransfers) {
   for (int i = 0; i < 3; ++i) {
     const Bytes record = rig.Datagram(native::Kind::kBody, payload);
     for (std::size_t at = 0; at < record.size(); at += Reports::kMaxSize) {
-      Take(std::span(record).subspan(at, std::min(Reports::kMaxSize, record.size() - at)));
+      Decode(std::span(record).subspan(at, std::min(Reports::kMaxSize, record.size() - at)));
     }
   }
   EXPECT_EQ(out_.sequences, (std::vector<std::uint64_t>{0, 1, 2}));
@@ -115,12 +115,12 @@ TEST_F(RecordsTest, TheLongestRecordCrossesManyTransfers) {
 TEST_F(RecordsTest, DevicesDoNotMixAndWhatOneBeganBeforeItWasUnpluggedIsForgotten) {
   support::Rig a("a"), b("b");
   const Bytes first = a.Frame(), second = b.Frame();
-  Take(std::span(first).first(40), 1);
-  Take(second, 2);
-  Take(std::span(first).subspan(40), 1);
+  Decode(std::span(first).first(40), 1);
+  Decode(second, 2);
+  Decode(std::span(first).subspan(40), 1);
   EXPECT_EQ(out_.sequences.size(), 2U);
-  Take(std::span(first).first(40), 1);
-  Take(a.Frame(), 3);  // plugged in again
+  Decode(std::span(first).first(40), 1);
+  Decode(a.Frame(), 3);  // plugged in again
   EXPECT_EQ(out_.sequences.size(), 3U);
   EXPECT_EQ(Count(Counter::kUsbBadReports), 0U);
 }
@@ -129,11 +129,11 @@ TEST_F(RecordsTest, OfMoreThan16DevicesTheLongestSilentIsForgotten) {
   support::Rig rig("a");
   const Bytes record = rig.Frame();
   for (std::uint32_t device = 1; device <= 17; ++device) {
-    Take(std::span(record).first(40), device);
+    Decode(std::span(record).first(40), device);
   }
-  Take(std::span(record).subspan(40), 2);
+  Decode(std::span(record).subspan(40), 2);
   EXPECT_EQ(out_.sequences.size(), 1U) << "2 was kept";
-  Take(std::span(record).subspan(40), 1);
+  Decode(std::span(record).subspan(40), 1);
   EXPECT_EQ(out_.sequences.size(), 1U);
   EXPECT_EQ(Count(Counter::kUsbBadReports), 1U) << "1 begins in the middle";
 }

@@ -49,11 +49,11 @@ std::vector<std::byte> Report(std::initializer_list<Record> records) {
 
 class SlimeVrHidTest : public testing::Test {
  protected:
-  // Both trackers' records for so long, a report every 5 ms.
+  // Both trackers' records for this long, a report every 5 ms.
   void Wear(std::int64_t for_ns) {
     for (std::int64_t t = 0; t < for_ns; t += 5 * kMs) {
       out.now_ns += 5 * kMs;
-      out.Take(Report({Upright(0), Upright(1), Registers(0, 0x06), Registers(1, 0x07)}));
+      out.Handle(Report({Upright(0), Upright(1), Registers(0, 0x06), Registers(1, 0x07)}));
     }
   }
 
@@ -64,20 +64,20 @@ TEST_F(SlimeVrHidTest, AReportThatIsNoneIsCountedAsBad) {
   const auto good = Report({Registers(0, 0x06), Registers(1, 0x07), Upright(0), Upright(1)});
   std::uint64_t bad = 0;
   for (const std::size_t size : {0, 1, 15, 17, 63}) {
-    out.Take(std::span(good).first(size));
+    out.Handle(std::span(good).first(size));
     EXPECT_EQ(out.Count(Counter::kUsbBadReports), ++bad) << size;
   }
   auto long_one = good;
   long_one.resize(80);
-  out.Take(long_one);
+  out.Handle(long_one);
   EXPECT_EQ(out.Count(Counter::kUsbBadReports), ++bad);
-  out.Take(Report({kUnknown, kUnknown, kUnknown, kUnknown}));
+  out.Handle(Report({kUnknown, kUnknown, kUnknown, kUnknown}));
   EXPECT_EQ(out.Count(Counter::kUsbBadReports), ++bad);
   EXPECT_THAT(out.notes, IsEmpty()) << "none of them was read";
 }
 
 TEST_F(SlimeVrHidTest, ARecordOfAnUnknownTypeIsPassedOverAndTheRestIsRead) {
-  out.Take(Report({kUnknown, Registers(0, 0x06)}));
+  out.Handle(Report({kUnknown, Registers(0, 0x06)}));
   EXPECT_EQ(out.Count(Counter::kUsbBadReports), 0U);
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 1U);
   ASSERT_FALSE(out.notes.empty());
@@ -85,25 +85,25 @@ TEST_F(SlimeVrHidTest, ARecordOfAnUnknownTypeIsPassedOverAndTheRestIsRead) {
 }
 
 TEST_F(SlimeVrHidTest, AnOrientationBeforeItsTrackerIsRegisteredIsIgnored) {
-  out.Take(Report({Upright(0)}));
+  out.Handle(Report({Upright(0)}));
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 1U);
   EXPECT_FALSE(out.translator().Calibrate(Calibration::kFull, out.now_ns).ok());
-  out.Take(Report({Registers(0, 0x06), Upright(0)}));
+  out.Handle(Report({Registers(0, 0x06), Upright(0)}));
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 1U);
   EXPECT_TRUE(out.translator().Calibrate(Calibration::kFull, out.now_ns).ok());
 }
 
 TEST_F(SlimeVrHidTest, ATrackerThatNobodyAssignedIsToldOnceAndIgnored) {
-  for (int i = 0; i < 3; ++i) out.Take(Report({Registers(0, 0x99), Upright(0)}));
+  for (int i = 0; i < 3; ++i) out.Handle(Report({Registers(0, 0x99), Upright(0)}));
   EXPECT_THAT(out.notes, ElementsAre(HasSubstr("010203040599/0 is assigned to no joint")));
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 3U);
 }
 
 TEST_F(SlimeVrHidTest, ANumberBelongsToWhomItWasRegisteredLastAtThatReceiverAlone) {
-  out.Take(Report({Registers(0, 0x06), Upright(0)}), 1);
-  out.Take(Report({Upright(0)}), 2);
+  out.Handle(Report({Registers(0, 0x06), Upright(0)}), 1);
+  out.Handle(Report({Upright(0)}), 2);
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 1U) << "another receiver's number 0";
-  out.Take(Report({Registers(0, 0x99), Upright(0)}), 1);
+  out.Handle(Report({Registers(0, 0x99), Upright(0)}), 1);
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 2U) << "another tracker has the number now";
 }
 

@@ -101,7 +101,7 @@ class Feed {
     }
     return frames;
   }
-  // What time alone brings.
+  // Frames that time alone completes.
   std::vector<Frame> Until(std::int64_t now_ns) {
     if (!ticks || assembler->deadline_ns() > now_ns) return {};
     if (!assembler->Flush(assembler->deadline_ns())) return {};
@@ -504,7 +504,7 @@ TEST(Assembler, DoesWithoutAClockTooOldForAFloat) {
   }
 }
 
-// The same without anybody who keeps its deadlines: what it gives depends on arrival alone.
+// The same without a caller that keeps its deadlines: its frames depend on arrival alone.
 TEST(Assembler, NeedsNobodyToKeepItsDeadlinesButForTheLastFrame) {
   for (const Habit& habit : kHabits) {
     Feed feed;

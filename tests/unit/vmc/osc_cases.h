@@ -114,7 +114,7 @@ class OscCaseTable {
         R::kBadArguments, kDiffers);
     Add("an element that leaves the bundle within", Bundle({RawBundle(I(24) + message_), hips_}),
         R::kBadElement, kDiffers);
-    // The depth is nobody's rule but ours.
+    // The limit on the depth is ours alone.
     Add("one bundle more than allowed", Nested(osc::kMaxDepth + 1), R::kTooDeep, kDiffers,
         kDiffers);
     Add("hundreds of bundles", Nested(300), R::kTooDeep, kDiffers, kDiffers);

@@ -77,7 +77,7 @@ class Avatar {
   std::vector<std::pair<std::string, Place>> places;
 };
 
-// Says what is said of a datagram, and of the silence that ends a first frame.
+// Returns the messages about a datagram, and about the silence that ends a first frame.
 std::vector<Translated::Item> SaidWithSilence(Translated& translated, const Bytes& datagram,
                                               std::uint64_t peer = 1) {
   auto said = Said(translated, datagram, peer);
@@ -175,8 +175,8 @@ TEST(VmcTranslator, ADatagramMakesAFewFramesAtMost) {
     messages.push_back(BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1}));
   }
   translated.items.clear();
-  translated.Take(Bundle(messages));
-  translated.Take(Bundle({TimeMessage(20), BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1})}));
+  translated.Handle(Bundle(messages));
+  translated.Handle(Bundle({TimeMessage(20), BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1})}));
   EXPECT_LE(translated.Frames().size(), 6U);
   EXPECT_GT(translated.Count(Counter::kSourceMalformed), 500U);
 }
@@ -542,7 +542,7 @@ TEST(VmcTranslator, GivesThePosesOfTheStandIn) {
     for (std::uint64_t index = 0; index < 40; ++index) {
       sent.push_back(body::Random(static_cast<unsigned>(index)).AnyPose());
       rig.value()->Encode({index, static_cast<double>(index) / 60, {&sent.back(), 1}},
-                          [&](std::span<const std::byte> bytes) { translation.Take(bytes); });
+                          [&](std::span<const std::byte> bytes) { translation.Handle(bytes); });
       translation.now_ns += 16'666'667;
       translation.Tick();
     }

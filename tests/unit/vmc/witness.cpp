@@ -20,7 +20,7 @@ std::string Number(float value) {
 }
 std::string Number(std::int32_t value) { return " " + std::to_string(value); }
 
-// What our own Arguments take; the values of other types are passed over by all three.
+// The types that our own Arguments read; all three skip the values of other types.
 std::string Describe(const osc::Message& message) {
   std::string text = std::string(message.address) + " ,";
   text += message.types;

@@ -14,12 +14,12 @@ namespace {
 using support::kSecond_ns;
 
 // Source times of the frames taken of `count` at `rate_hz`, arriving on time.
-std::vector<std::uint64_t> Taken(RateCap& cap, double rate_hz, int count) {
+std::vector<std::uint64_t> Admitted(RateCap& cap, double rate_hz, int count) {
   std::vector<std::uint64_t> taken;
   for (int i = 0; i < count; ++i) {
     const auto at_ns = static_cast<std::uint64_t>(std::llround(i * 1e9 / rate_hz));
     const std::uint64_t source_ns = 5'000'000'000 + at_ns;
-    if (cap.Take(source_ns, static_cast<std::int64_t>(at_ns) + 1)) taken.push_back(source_ns);
+    if (cap.Admit(source_ns, static_cast<std::int64_t>(at_ns) + 1)) taken.push_back(source_ns);
   }
   return taken;
 }
@@ -27,7 +27,7 @@ std::vector<std::uint64_t> Taken(RateCap& cap, double rate_hz, int count) {
 TEST(RateCap, PassesWhatIsNotFaster) {
   for (const double rate_hz : {24.0, 59.94, 60.0, 100.0, 119.88, 120.0}) {
     RateCap cap(120);
-    EXPECT_EQ(Taken(cap, rate_hz, 1200).size(), 1200U) << rate_hz;
+    EXPECT_EQ(Admitted(cap, rate_hz, 1200).size(), 1200U) << rate_hz;
   }
 }
 
@@ -35,7 +35,7 @@ TEST(RateCap, ThinsAMultipleEvenly) {
   for (const auto& [rate_hz, cap_hz] :
        {std::pair{240.0, 120.0}, std::pair{120.0, 60.0}, std::pair{240.0, 60.0}}) {
     RateCap cap(cap_hz);
-    const auto taken = Taken(cap, rate_hz, 2400);
+    const auto taken = Admitted(cap, rate_hz, 2400);
     EXPECT_EQ(taken.size(), static_cast<std::size_t>(2400 * cap_hz / rate_hz));
     for (std::size_t i = 1; i < taken.size(); ++i) {
       EXPECT_NEAR(static_cast<double>(taken[i] - taken[i - 1]), 1e9 / cap_hz, 2) << i;
@@ -45,7 +45,7 @@ TEST(RateCap, ThinsAMultipleEvenly) {
 
 TEST(RateCap, KeepsTheMeanWhereTheRatesDoNotDivide) {
   RateCap cap(90);
-  EXPECT_NEAR(static_cast<double>(Taken(cap, 120, 1200).size()), 900, 2);
+  EXPECT_NEAR(static_cast<double>(Admitted(cap, 120, 1200).size()), 900, 2);
 }
 
 TEST(RateCap, PassesAJitteringStreamOfItsOwnRate) {
@@ -55,7 +55,7 @@ TEST(RateCap, PassesAJitteringStreamOfItsOwnRate) {
   for (int i = 0; i < 1200; ++i) {
     const std::int64_t at_ns = i * kSecond_ns / 120;
     const auto late_ns = static_cast<std::int64_t>(random() % 6'000'000);
-    if (cap.Take(static_cast<std::uint64_t>(at_ns), at_ns + late_ns + 1)) ++taken;
+    if (cap.Admit(static_cast<std::uint64_t>(at_ns), at_ns + late_ns + 1)) ++taken;
   }
   EXPECT_EQ(taken, 1200);
 }
@@ -66,7 +66,7 @@ TEST(RateCap, HoldsAgainstAReplayFasterThanLife) {
   int taken = 0;
   for (int i = 0; i < 12000; ++i) {
     const std::uint64_t source_ns = static_cast<std::uint64_t>(i) * kSecond_ns / 120;
-    if (cap.Take(source_ns, 1 + i * kSecond_ns / 6000)) ++taken;  // 2 s in all
+    if (cap.Admit(source_ns, 1 + i * kSecond_ns / 6000)) ++taken;  // 2 s in all
   }
   EXPECT_LE(taken, 2 * 150 + 4);
   EXPECT_GE(taken, 290);
@@ -74,10 +74,10 @@ TEST(RateCap, HoldsAgainstAReplayFasterThanLife) {
 
 TEST(RateCap, BeginsAnewWhereTheSourceDoes) {
   RateCap cap(60);
-  EXPECT_TRUE(cap.Take(9'000'000'000, 1));
-  EXPECT_FALSE(cap.Take(9'004'000'000, 4'000'000));
-  EXPECT_TRUE(cap.Take(1'000'000, 20'000'000));
-  EXPECT_TRUE(cap.Take(8'000'000'000, 40'000'000));
+  EXPECT_TRUE(cap.Admit(9'000'000'000, 1));
+  EXPECT_FALSE(cap.Admit(9'004'000'000, 4'000'000));
+  EXPECT_TRUE(cap.Admit(1'000'000, 20'000'000));
+  EXPECT_TRUE(cap.Admit(8'000'000'000, 40'000'000));
 }
 
 TEST(Timeline, IsTheSourcesClockFromTheFirstFrameOn) {

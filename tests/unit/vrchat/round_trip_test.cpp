@@ -1,4 +1,4 @@
-// What stylevmc sends to VRChat is a body again in a source of type "vrchat".
+// The output of stylevmc for VRChat is a body again in a source of type "vrchat".
 #include <gtest/gtest.h>
 
 #include "clients/vmc/vrchat_feed.h"
@@ -29,7 +29,7 @@ Worst PlayThrough(const std::string& trackers, double user_height_m,
   support::Translated in(MakeVrChat(config));
   const auto show = [&](const body::Pose& pose, int frames) {
     for (int i = 0; i < frames; ++i) {
-      in.Take(feed.Pack(client::HumanoidFrame(body, pose, 1), in.now_ns));
+      in.Handle(feed.Pack(client::HumanoidFrame(body, pose, 1), in.now_ns));
       in.now_ns += kSent_ns;
       in.Tick();
     }

@@ -41,7 +41,7 @@ struct Stage {
   void Play(const body::Pose& pose, int frames) {
     for (int i = 0; i < frames; ++i) {
       rig->Encode({index, static_cast<double>(index) / 100, {&pose, 1}},
-                  [this](std::span<const std::byte> bytes) { out.Take(bytes); });
+                  [this](std::span<const std::byte> bytes) { out.Handle(bytes); });
       ++index;
       out.now_ns += kFrame_ns;
       out.Tick();
@@ -153,18 +153,18 @@ TEST(VrChatTranslator, ATrackerThatVanishesIsNotTrackedAndComesBack) {
 
 TEST(VrChatTranslator, CountsWhatIsNotForIt) {
   support::Translated out(MakeVrChat(Config("vrchat")));
-  out.Take(vmc::testing::S("/avatar/parameters/x") + vmc::testing::S(",f") + vmc::testing::F(1));
+  out.Handle(vmc::testing::S("/avatar/parameters/x") + vmc::testing::S(",f") + vmc::testing::F(1));
   EXPECT_EQ(out.Count(Counter::kSourceIgnored), 1U);
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
-  out.Take(TrackerMessage("1", "position", {nan, 0, 0}));
-  out.Take(TrackerMessage("1", "position", {infinity, 0, 0}));
-  out.Take(TrackerMessage("1", "position", {1e30F, 0, 0}));
-  out.Take(TrackerMessage("1", "rotation", {nan, 0, 0}));
-  out.Take(TrackerMessage("1", "rotation", {1e30F, 0, 0}));
-  out.Take(TrackerMessage("head", "rotation", {0, nan, 0}));
-  out.Take(SystemMessage("head", {nan, nan, nan, 0, 0, 0}));
-  out.Take(vmc::testing::S("/tracking/trackers/1/position") + vmc::testing::S(",f"));
-  out.Take(vmc::testing::ToBytes("/tracking"));
+  out.Handle(TrackerMessage("1", "position", {nan, 0, 0}));
+  out.Handle(TrackerMessage("1", "position", {infinity, 0, 0}));
+  out.Handle(TrackerMessage("1", "position", {1e30F, 0, 0}));
+  out.Handle(TrackerMessage("1", "rotation", {nan, 0, 0}));
+  out.Handle(TrackerMessage("1", "rotation", {1e30F, 0, 0}));
+  out.Handle(TrackerMessage("head", "rotation", {0, nan, 0}));
+  out.Handle(SystemMessage("head", {nan, nan, nan, 0, 0, 0}));
+  out.Handle(vmc::testing::S("/tracking/trackers/1/position") + vmc::testing::S(",f"));
+  out.Handle(vmc::testing::ToBytes("/tracking"));
   EXPECT_EQ(out.Count(Counter::kSourceMalformed), 9U);
   out.now_ns += kFrame_ns;
   out.Tick();
@@ -173,33 +173,33 @@ TEST(VrChatTranslator, CountsWhatIsNotForIt) {
 
 TEST(VrChatTranslator, ADeviceBelongsToOneSender) {
   support::Translated out(MakeVrChat(Config("vrchat")));
-  out.Take(TrackerMessage("1", "position", {0, 1, 0}), 1);
-  out.Take(TrackerMessage("1", "position", {5, 1, 0}), 2);
+  out.Handle(TrackerMessage("1", "position", {0, 1, 0}), 1);
+  out.Handle(TrackerMessage("1", "position", {5, 1, 0}), 2);
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
-  out.Take(SystemMessage("head", {0, 1.5F, 0, 0, 0, 0}), 2);
+  out.Handle(SystemMessage("head", {0, 1.5F, 0, 0, 0, 0}), 2);
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U) << "another device";
   out.now_ns += DeviceRig::kSilent_ns + 1;
-  out.Take(TrackerMessage("1", "position", {5, 1, 0}), 2);
+  out.Handle(TrackerMessage("1", "position", {5, 1, 0}), 2);
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
 }
 
 TEST(VrChatTranslator, AHeadingBelongsToOneSender) {
   support::Translated out(MakeVrChat(Config("vrchat")));
-  out.Take(TrackerMessage("head", "rotation", {0, 20, 0}), 1);
-  out.Take(TrackerMessage("head", "rotation", {0, 90, 0}), 2);
+  out.Handle(TrackerMessage("head", "rotation", {0, 20, 0}), 1);
+  out.Handle(TrackerMessage("head", "rotation", {0, 90, 0}), 2);
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
   out.now_ns += DeviceRig::kSilent_ns + 1;
-  out.Take(TrackerMessage("head", "rotation", {0, 90, 0}), 2);
+  out.Handle(TrackerMessage("head", "rotation", {0, 90, 0}), 2);
   EXPECT_EQ(out.Count(Counter::kPipelineSecondSender), 1U);
 }
 
 TEST(VrChatTranslator, AHeadingThatIsSentOnceStays) {
   support::Translated out(MakeVrChat(Config("vrchat")));
-  out.Take(TrackerMessage("head", "rotation", {0, 90, 0}), 1);
+  out.Handle(TrackerMessage("head", "rotation", {0, 90, 0}), 1);
   for (int i = 0; i < 300; ++i) {
-    out.Take(TrackerMessage("head", "position", {0, 1.55F, 0}), 1);
-    out.Take(TrackerMessage("1", "position", {0, 0.95F, 0}), 1);
-    out.Take(TrackerMessage("1", "rotation", {0, 0, 0}), 1);
+    out.Handle(TrackerMessage("head", "position", {0, 1.55F, 0}), 1);
+    out.Handle(TrackerMessage("1", "position", {0, 0.95F, 0}), 1);
+    out.Handle(TrackerMessage("1", "rotation", {0, 0, 0}), 1);
     out.now_ns += kFrame_ns;
     out.Tick();
   }
@@ -263,9 +263,9 @@ TEST(VmcDevices, ADeviceThatIsWornThereEndsTheGuessOfAnother) {
   support::Translated out(MakeVmc(Config("vmc")));
   const auto play = [&out](bool with_display, int frames) {
     for (int i = 0; i < frames; ++i) {
-      out.Take(DeviceMessage("Tra", "top", {0, 1.6F, 0}));
-      out.Take(DeviceMessage("Tra", "belt", {0, 0.95F, 0}));
-      if (with_display) out.Take(DeviceMessage("Hmd", "display", {0.3F, 1.6F, 0}));
+      out.Handle(DeviceMessage("Tra", "top", {0, 1.6F, 0}));
+      out.Handle(DeviceMessage("Tra", "belt", {0, 0.95F, 0}));
+      if (with_display) out.Handle(DeviceMessage("Hmd", "display", {0.3F, 1.6F, 0}));
       out.now_ns += kFrame_ns;
       out.Tick();
     }
@@ -286,8 +286,8 @@ TEST(VmcDevices, WithoutAnyNumberAreMalformed) {
   support::Translated out(MakeVmc(Config("vmc")));
   const float nan = std::nanf("");
   for (int i = 0; i < 100; ++i) {
-    out.Take(vmc::testing::S("/VMC/Ext/Tra/Pos") + vmc::testing::S(",sfffffff") +
-             vmc::testing::S("x") + vmc::testing::Floats({nan, nan, nan, nan, nan, nan, nan}));
+    out.Handle(vmc::testing::S("/VMC/Ext/Tra/Pos") + vmc::testing::S(",sfffffff") +
+               vmc::testing::S("x") + vmc::testing::Floats({nan, nan, nan, nan, nan, nan, nan}));
     out.now_ns += kFrame_ns;
     out.Tick();
   }
@@ -299,8 +299,8 @@ TEST(VmcDevices, OfASenderThatSendsBonesAreItsOwnAffair) {
   support::Translated out(MakeVmc(Config("vmc")));
   const auto device = DeviceMessage("Hmd", "hmd", {0, 1.5F, 0});
   for (int i = 0; i < 100; ++i) {
-    out.Take(device);
-    out.Take(vmc::testing::BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1}));
+    out.Handle(device);
+    out.Handle(vmc::testing::BoneMessage("Hips", {0, 1, 0, 0, 0, 0, 1}));
     out.now_ns += kFrame_ns;
     out.Tick();
   }
@@ -310,7 +310,7 @@ TEST(VmcDevices, OfASenderThatSendsBonesAreItsOwnAffair) {
 TEST(VmcDevices, OfASecondAssistantAreRefused) {
   Stage stage = Vmc({});
   stage.Play({}, 80);
-  stage.out.Take(DeviceMessage("Tra", "x", {0, 1.5F, 0}), 2);
+  stage.out.Handle(DeviceMessage("Tra", "x", {0, 1.5F, 0}), 2);
   EXPECT_EQ(stage.out.Count(Counter::kPipelineSecondSender), 1U);
 }
 

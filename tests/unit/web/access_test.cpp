@@ -147,7 +147,7 @@ TEST(AccessTest, ATokenFileThatOthersCanReadIsRefusedAsAKeyFileIs) {
   }
   ASSERT_EQ(chmod(file.c_str(), 0600), 0);
   EXPECT_TRUE(ReadToken(file).ok());
-  if (geteuid() == 0) {  // root can give a file to somebody else
+  if (geteuid() == 0) {  // root can give a file to another user
     ASSERT_EQ(chown(file.c_str(), 65534, 65534), 0);
     const auto read = ReadToken(file);
     ASSERT_FALSE(read.ok());

@@ -24,7 +24,7 @@ class CrowdTest : public testing::Test {
 
 TEST_F(CrowdTest, TheLongestUnfinishedRequestGivesWayFirst) {
   auto a = Come("a"), b = Come("b"), c = Come("c");
-  a->Now(State::kReading);  // has asked once, and waits anew
+  a->Now(State::kReading);  // has asked once, and waits again
   EXPECT_TRUE(crowd_->MakeRoom());
   EXPECT_TRUE(crowd_->MakeRoom());
   EXPECT_EQ(closed_, (std::vector<std::string>{"b", "c"}));

@@ -15,8 +15,8 @@ using std::chrono::seconds;
 
 struct Tab : Browser {
   void Offer(const MessagePtr& message) override { got.push_back(message); }
-  // What came under `topic` since the last look.
-  std::vector<std::string> Take(const std::string& topic) {
+  // The messages under `topic` since the last call.
+  std::vector<std::string> Pop(const std::string& topic) {
     std::vector<std::string> payloads;
     for (const MessagePtr& message : got) {
       if (message->text || !message->bytes.substr(1).starts_with(topic)) continue;
@@ -67,19 +67,19 @@ TEST_F(HubTest, TheDaemonIsAskedForWhatSomeBrowserWantsAndForNoMore) {
   EXPECT_EQ(hub.Subscribe(b, "stats/"), Subscribed::kOk);
   EXPECT_EQ(asked, (std::multiset<std::string>{"source/rig.a/", "stats/"}));
   Publish("source/rig.a/", "1");
-  EXPECT_EQ(a.Take("source/rig.a/"), std::vector<std::string>{"1"});
-  EXPECT_EQ(b.Take("source/rig.a/"), std::vector<std::string>{"1"});
+  EXPECT_EQ(a.Pop("source/rig.a/"), std::vector<std::string>{"1"});
+  EXPECT_EQ(b.Pop("source/rig.a/"), std::vector<std::string>{"1"});
   hub.Unsubscribe(a, "source/rig.a/");
   hub.Unsubscribe(a, "source/rig.a/");
   hub.Unsubscribe(a, "nothing/");
   EXPECT_TRUE(asked.contains("source/rig.a/"));
   Publish("source/rig.a/", "2");
-  EXPECT_TRUE(a.Take("source/rig.a/").empty());
-  EXPECT_EQ(b.Take("source/rig.a/"), std::vector<std::string>{"2"});
+  EXPECT_TRUE(a.Pop("source/rig.a/").empty());
+  EXPECT_EQ(b.Pop("source/rig.a/"), std::vector<std::string>{"2"});
   hub.Leave(b);
   EXPECT_EQ(asked, std::multiset<std::string>{"stats/"});
   Publish("source/rig.a/", "3");
-  EXPECT_TRUE(b.Take("source/rig.a/").empty());
+  EXPECT_TRUE(b.Pop("source/rig.a/").empty());
 }
 
 TEST_F(HubTest, TopicsOfABrowsersOwnMakingAndTooManyAreRefused) {
@@ -120,7 +120,7 @@ TEST_F(HubTest, BodiesComeOnceAndAgainWhenTheyChangeOrSomebodyIsNew) {
   EXPECT_EQ(a.got.size(), 5U);
   hub.Join(b);
   hub.Subscribe(b, "body/rig.a/");
-  EXPECT_EQ(b.Take("body/rig.a/"),
+  EXPECT_EQ(b.Pop("body/rig.a/"),
             (std::vector<std::string>{Body(3, v1::OUTPUT_RIG), Body(2, v1::OUTPUT_CANONICAL)}));
   Publish("body/rig.a/", "\xFF garbage");
   EXPECT_EQ(counters.upstream_malformed, 1U);
@@ -129,9 +129,9 @@ TEST_F(HubTest, BodiesComeOnceAndAgainWhenTheyChangeOrSomebodyIsNew) {
   Tab c;
   hub.Join(c);
   hub.Subscribe(c, "body/rig.ab/");
-  EXPECT_TRUE(c.Take("body/rig.ab/").empty()) << "nobody listened for it in between";
+  EXPECT_TRUE(c.Pop("body/rig.ab/").empty()) << "nobody listened for it in between";
   hub.Subscribe(c, "body/rig.a/");
-  EXPECT_EQ(c.Take("body/rig.a/").size(), 2U) << "b still does for this one";
+  EXPECT_EQ(c.Pop("body/rig.a/").size(), 2U) << "b still does for this one";
   hub.Leave(c);
 }
 
@@ -147,7 +147,7 @@ TEST_F(HubTest, TheDaemonIsUpWhileItsStatisticsCome) {
   ASSERT_NE(hub.statistics(), nullptr);
   EXPECT_EQ(hub.statistics()->epoch(), 9U);
   hub.Subscribe(a, "stats/");
-  EXPECT_EQ(a.Take("stats/").size(), 1U) << "the last at once";
+  EXPECT_EQ(a.Pop("stats/").size(), 1U) << "the last at once";
   hub.Tick(now + Hub::kSilence);
   EXPECT_TRUE(hub.daemon_up());
   hub.Tick(now + Hub::kSilence + std::chrono::milliseconds(1));

@@ -1,6 +1,6 @@
-// What stylerec exports, read by programs that are not ours: the Khronos glTF validator and three.js's
-// loaders. Each joint must be where expected.json, made from the recorded poses by the project's forward
-// kinematics, has it.  node witness.mjs FOLDER (walk.glb, walk30.glb, worn.glb, walk.bvh, expected.json)
+// The exports of stylerec, read by other projects' programs: the Khronos glTF validator and three.js's
+// loaders. Each joint must be where expected.json has it, which the project's forward kinematics computed from
+// the recorded poses.  node witness.mjs FOLDER (walk.glb, walk30.glb, worn.glb, walk.bvh, expected.json)
 import fs from 'node:fs';
 import path from 'node:path';
 import validator from 'gltf-validator';
@@ -11,7 +11,7 @@ import { BVHLoader } from 'three/examples/jsm/loaders/BVHLoader.js';
 import { GLTFExporter } from 'three/examples/jsm/exporters/GLTFExporter.js';
 
 globalThis.self = globalThis;
-// What three.js's exporter asks of a browser.
+// The globals that three.js's exporter needs of a browser.
 globalThis.FileReader = class {
   readAsArrayBuffer(blob) {
     blob.arrayBuffer().then((buffer) => {

@@ -1,5 +1,5 @@
-// What stylenats publishes, by the NATS project's own JavaScript client: subject, headers, the
-// daemon's bytes, and the body in the KV bucket.
+// The messages of stylenats, read by the NATS project's own JavaScript client: subject, headers,
+// the daemon's bytes, and the body in the KV bucket.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ std::string Decode(const std::string& base64) {
   return bytes;
 }
 
-// What a script prints, lines of a word and JSON, by the word.
+// The output of a script, lines of a word and JSON, by the word.
 std::map<std::string, std::vector<json>> Node(const std::string& script, const std::string& port,
                                               const std::string& arguments) {
   const TemporaryFolder folder;

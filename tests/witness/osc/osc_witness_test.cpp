@@ -29,7 +29,7 @@ struct Sent {
   std::vector<body::Pose> poses;
 };
 
-// What `stylesim --as vmc` plays, made here.
+// The frames that `stylesim --as vmc` plays, made here.
 Sent Play(const Lines& quirks) {
   class Recorded final : public player::Link {
    public:
@@ -70,7 +70,7 @@ void RunStylesim(const std::string& to, const Lines& quirks) {
   EXPECT_EQ(stylesim.Wait(30).value_or(-1), 0) << ReadText(folder / "stderr.txt");
 }
 
-// The hips as VMC has them: Unity's space mirrors x.
+// The hips in VMC's space: Unity's mirrors x.
 std::string HipsOf(const body::Vec3& p, const body::Quat& q) {
   std::string line = "/VMC/Ext/Bone/Pos ,sfffffff Hips";
   for (const float value : {-p[0], p[1], p[2], q.x(), -q.y(), -q.z(), q.w()}) {
@@ -120,8 +120,8 @@ TEST_P(OscReaderTest, PrintsEveryMessageAndValueThatStylesimSends) {
   }
 }
 
-// What stylevmc sends is known by a second target of its, which is a socket of this test, and by
-// what the daemon published.
+// The output of stylevmc is checked at a second target, a socket of this test, against the frames
+// that the daemon published.
 TEST_P(OscReaderTest, PrintsEveryMessageAndValueThatStylevmcSends) {
   constexpr const char* kStyled = "styled/rig.a/canonical/";
   Daemon daemon;

@@ -79,7 +79,7 @@ inline std::string AsOscdump(const std::string& line) {
   return out;
 }
 
-// Another's program that prints what comes to a port.
+// Another project's program, which prints the messages that arrive at a port.
 class Reader {
  public:
   static constexpr const char* kProbe = "/ready";
@@ -108,7 +108,7 @@ class Reader {
   std::string address() const { return "127.0.0.1:" + port_; }
   std::string file() const { return folder_ / "out.txt"; }
 
-  // What it printed, as soon as that is `count` messages and no more come.
+  // The printed messages, as soon as there are `count` and no more arrive.
   Lines WaitFor(std::size_t count) const {
     Lines lines;
     for (int i = 0; i < 200; ++i) {

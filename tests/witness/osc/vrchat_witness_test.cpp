@@ -150,7 +150,7 @@ class VrChatReaderTest : public testing::TestWithParam<std::string> {
     if (const std::string why = Missing(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 
-  // What a user with these options of stylevmc gets.
+  // The result of these options of stylevmc for a user.
   void Check(const Lines& options, const std::vector<int>& trackers, float scale) {
     Daemon daemon;
     const Reader reader(GetParam());

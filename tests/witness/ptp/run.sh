@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# run.sh PROGRAM: what PROGRAM (styled_clock_print) says of a real ptp4l must be what pmc says. 77:
+# run.sh PROGRAM: the output of PROGRAM (styled_clock_print) for a real ptp4l must agree with that of pmc. 77:
 # skipped.
 set -euo pipefail
 for tool in ptp4l pmc ip unshare; do

@@ -42,7 +42,7 @@ body::Pose PoseAt(std::uint64_t index) {
   return pose;
 }
 
-// What the client prints, by its first word; the frames one after the other.
+// The output of the client, by its first word; the frames one after the other.
 struct Printed {
   std::map<std::string, json> answers;
   std::vector<json> frames;

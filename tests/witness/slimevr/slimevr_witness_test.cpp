@@ -44,7 +44,7 @@ std::vector<std::string> Split(const std::string& text, char separator) {
   return parts;
 }
 
-// What `node trackers.mjs ARGUMENTS` prints, by lines.
+// The output of `node trackers.mjs ARGUMENTS`, by lines.
 std::vector<std::string> RunTrackers(const std::string& arguments, double seconds) {
   TemporaryFolder folder;
   Child node({"/bin/sh", "-c",
@@ -161,8 +161,8 @@ TEST_F(PacketsTest, WhatTheyWriteIsReadWithEveryValueAndOurAnswersByThem) {
                           "DeviceBoundFeatureFlagsPacket{flags: PROTOCOL_BUNDLE_SUPPORT}"));
 }
 
-// What the stand-in's boards measure and ask for, by ticks: the T-pose, the skier's, then `poses`,
-// each held for `hold` ticks. Lines of trackers.mjs.
+// The measurements and requests of the stand-in's boards, by ticks: the T-pose, the skier's, then
+// `poses`, each held for `hold` ticks. Lines of trackers.mjs.
 std::string Measured(const std::vector<body::Pose>& poses, int hold) {
   std::string text;
   struct Board {
@@ -281,7 +281,7 @@ TEST_P(TrackersTest, EmulatedTrackersGiveTheMotionWithinADegree) {
     EXPECT_LT(best, 1) << "pose " << i << " of " << frames.size() << " frames: " << daemon.Log();
   }
 
-  // What the trackers understood of our answers.
+  // The messages that the trackers decoded from our answers.
   ASSERT_EQ(said.size(), kWorn.size() + 1);
   for (std::size_t k = 0; k < kWorn.size(); ++k) {
     std::istringstream words(said[k]);

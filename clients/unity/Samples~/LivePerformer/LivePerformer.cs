@@ -6,9 +6,9 @@ using Debug = UnityEngine.Debug;
 
 namespace Styled.Samples {
 
-/// <summary>Moves a humanoid avatar by a performer's canonical stream. Beside an Animator whose avatar is
-/// Humanoid; the model stands in the T-pose when this starts. Joints go by name: fingers, eyes and jaw
-/// move where both have them.</summary>
+/// <summary>Moves a humanoid avatar by a performer's canonical stream. Add it to the object with an
+/// Animator whose avatar is Humanoid; the model must be in the T-pose at the start. Joints are matched by
+/// name: fingers, eyes and jaw move if both have them.</summary>
 [RequireComponent(typeof(Animator))]
 public sealed class LivePerformer : MonoBehaviour {
   public string endpoint = Subscriber.DefaultEndpoint;
@@ -26,7 +26,7 @@ public sealed class LivePerformer : MonoBehaviour {
   Stopwatch silence_;  // until the first frame or the warning
   WorldPose world_;
   Body body_;           // whose joints boneOfJoint_ has; null before the first frame
-  Bone[] boneOfJoint_;  // null where the avatar has no such bone
+  Bone[] boneOfJoint_;  // null if the avatar has no such bone
   float hipsHeight_;
 
   public void OnEnable() {
@@ -52,13 +52,13 @@ public sealed class LivePerformer : MonoBehaviour {
       silence_ = null;
     } else if (silence_ != null && silence_.Elapsed.TotalSeconds >= warnAfterSeconds) {
       Debug.LogWarning("LivePerformer: no frame of '" + performer + "' from " + endpoint + " yet: does a daemon " +
-                       "publish there, and does anybody perform under this name?", this);
+                       "publish there, and is a performer of this name present?", this);
       silence_ = null;
     }
     foreach (Update update in updates_) Apply(update);
   }
 
-  /// <summary>Poses the avatar by a frame whose body is here.</summary>
+  /// <summary>Poses the avatar by a frame whose body has arrived.</summary>
   public void Apply(Update update) {
     Body body = update.Body;
     if (bones_.Count == 0) RememberTPose();
@@ -72,7 +72,7 @@ public sealed class LivePerformer : MonoBehaviour {
       // The canonical axes are right-handed, +X left; Unity's are the mirror image.
       var turn = new Quaternion(q[i], -q[i + 1], -q[i + 2], q[i + 3]);
       bone.transform.rotation = transform.rotation * turn * bone.rest;
-      // As high as its own hips, over the floor where the performer is.
+      // At the height of its own hips, and at the performer's place on the floor.
       if (joint == 0) {
         float scale = body.Offsets[1] > 0.1f ? hipsHeight_ / body.Offsets[1] : 1;
         bone.transform.position = transform.TransformPoint(new Vector3(-p[0], p[1] * scale, p[2]));
@@ -100,7 +100,7 @@ public sealed class LivePerformer : MonoBehaviour {
     }
   }
 
-  // Of a joint, which is named as VRM 1.0's bones: only thumbs are counted otherwise.
+  // The bone of a joint, which is named like VRM 1.0's bones; only thumbs are counted differently.
   static string UnityName(string joint) {
     string name = char.ToUpperInvariant(joint[0]) + joint.Substring(1);
     if (name.EndsWith("ThumbProximal")) return name.Replace("Proximal", "Intermediate");

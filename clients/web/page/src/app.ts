@@ -12,24 +12,24 @@ import {
 } from 'styled-client';
 
 import { changeTo, sameLook, sameSetting, settingsOf, type Setting } from './looks.js';
-import type { Taken } from './names.js';
+import type { NamesInUse } from './names.js';
 import { UndoStack, type Step } from './undo.js';
 
-const LIST_MS = 10000; // others may make and remove styles
+const LIST_MS = 10000; // other users may make and remove styles
 const SETTLED_MS = 250; // after the last step of a gesture
 const TRY_AGAIN = [Code.PINNED, Code.BUSY, Code.NOT_READY];
 
 interface Manner {
-  /** Of everyone, whoever is selected. */
+  /** Of all performers, regardless of the selection. */
   forAll?: boolean;
-  /** Steps of one gesture, such as a drag, are taken back together. */
+  /** Steps of one gesture, such as a drag, are undone together. */
   gesture?: string;
-  /** Whether it changes looks, and can be taken back; its name then, if not the message. */
+  /** Whether it changes looks, and can be undone; its name then, if not the message. */
   look?: boolean;
   name?: string;
 }
 
-/** What a change has led to, once that is known. */
+/** The effect of a change, once it is known. */
 interface Made {
   left?: Map<string, Setting>;
 }
@@ -39,14 +39,14 @@ export class App {
   stats: Stats | undefined;
   selected = '';
   everyone = false;
-  transition_ms = 100;
+  transition_ms = 100; // look.proto's initial one (tests/documents/test_look.py)
   readonly undo = new UndoStack();
   private settling = 0;
   private gesture: Made = {}; // the last one
   private reloads = '';
   private readonly missed = new Set<string>();
   private readonly listeners = new Set<() => void>();
-  /** `step`: what the message offers to take back. */
+  /** `step`: the step that the message offers to undo. */
   onMessage: (text: string, bad: boolean, step?: Step) => void = () => {};
 
   constructor(readonly client: StyledClient) {
@@ -94,18 +94,18 @@ export class App {
   info(name: string): StyleInfo | undefined {
     return this.list?.styles.find((style) => style.name === name);
   }
-  taken(): Taken {
+  taken(): NamesInUse {
     const styles = this.list?.styles ?? [];
     const fixed = styles.filter(({ made }) => !made).flatMap(({ name, aliases }) => [name, ...aliases]);
     return { made: new Set(styles.filter(({ made }) => made).map(({ name }) => name)),
              fixed: new Set([...fixed, ...(this.list?.presets ?? []).map(({ name }) => name)]) };
   }
-  /** Changes with the daemon and with its weights: what is known of styles is void then. */
+  /** Changes with the daemon and with its weights, and invalidates the known styles. */
   get version(): string {
     return this.reloads;
   }
 
-  /** What is to be said where a style is chosen that is recognized too seldom. */
+  /** The warning at a style that is recognized too seldom. */
   weakness(name: string): string | undefined {
     const info = this.info(name);
     if (!info?.weak) return undefined;
@@ -128,7 +128,7 @@ export class App {
     this.select(names[(at + step + names.length) % names.length]!);
   }
 
-  // Other weights, or a look that names a style which the list has not.
+  // Other weights, or a look with a style that is not in the list.
   private listIsOld(): boolean {
     const reloads = this.stats?.counters.find(({ name }) => name === 'config.reloads')?.value ?? 0n;
     const now = `${this.stats?.epoch} ${reloads}`;
@@ -139,7 +139,7 @@ export class App {
     for (const { look } of this.performers()) {
       for (const { style } of look?.mix ?? []) {
         if (known.has(style) || this.missed.has(style)) continue;
-        this.missed.add(style); // is asked for once
+        this.missed.add(style); // is requested once
         old = true;
       }
     }
@@ -172,11 +172,9 @@ export class App {
     return new Map([...settingsOf(this.stats)].filter(([performer]) => target === '*' || target === performer));
   }
 
-  /**
-   * Gives performers these settings again, and changes nothing else of them. A performer whose settings differ from
-   * those in `left` was changed by another user meanwhile: they stay as they are, and their name is returned. Tries
-   * all performers; rejects with the first error.
-   */
+  /** Restores these settings of performers, and changes nothing else. A performer whose settings differ from those
+  in `left` was changed by another user meanwhile: it is not changed, and its name is returned. Tries all
+  performers; rejects with the first error. */
   async restore(settings: Map<string, Setting>, left?: Map<string, Setting>): Promise<string[]> {
     const presets = (this.list?.presets ?? []).map(({ name }) => name);
     const others: string[] = [];
@@ -203,7 +201,7 @@ export class App {
     let pinned = now?.pinned ?? false;
     try {
       if (now && sameLook(now.look, to.look)) return;
-      if (pinned) await this.client.pin(performer, false); // else the daemon refuses the look
+      if (pinned) await this.client.pin(performer, false); // otherwise the daemon refuses the look
       pinned = false;
       await this.client.set(performer, changeTo(to.look, presets, this.transition_ms));
     } finally {
@@ -248,15 +246,15 @@ export class App {
     return this.run(name, () => this.client.preset(this.target, name, this.transition_ms), { look: true });
   }
   panic(): Promise<void> {
-    return this.run('everyone is back to the bare source', () => this.client.panic(), { forAll: true, look: true, name: 'panic' });
+    return this.run('all performers are in bypass', () => this.client.panic(), { forAll: true, look: true, name: 'panic' });
   }
   pin(pinned: boolean): Promise<void> {
     return this.run(pinned ? 'pinned' : 'unpinned', () => this.client.pin(this.target, pinned), { look: true });
   }
-  /** The style in which the selected performer moves already; '': none. */
+  /** The selected performer's own style; '': none. */
   setOwnStyle(style: string): Promise<void> {
     const performer = this.selected;
-    return this.run(style ? `${performer} moves as ${style} already` : `${performer} moves as they are`, () =>
+    return this.run(style ? `${performer} moves as ${style}: it is removed` : `${performer} has no style of their own`, () =>
       this.client.set(performer, { inputStyle: style, transitionMs: this.transition_ms }), { forAll: true, look: true, name: 'own style' });
   }
   /** Fires the cues of that name; false if that failed. */
@@ -278,10 +276,11 @@ export class App {
   }
 
   private async run(what: string, action: () => Promise<unknown>, manner: Manner = {}): Promise<void> {
-    if (!manner.forAll && !this.target) return this.onMessage('nobody is here yet', true);
+    if (!manner.forAll && !this.target) return this.onMessage('no performer is present yet', true);
     const target = manner.forAll ? '*' : this.target;
     let before = this.looks(target);
-    // What others did in the last second is in no statistics yet. The daemon answers in order.
+    // Changes by other users in the last second are in no statistics yet. The daemon answers in
+    // order.
     const asked = manner.look && !manner.gesture ? this.client.status().catch(() => undefined) : undefined;
     try {
       await action();
@@ -294,7 +293,7 @@ export class App {
     const made: Made = {};
     const step: Step = { what: manner.name ?? what, back: async () => {
       const others = await this.restore(before, made.left);
-      return others.length > 0 ? `${others.join(', ')} ${others.length > 1 ? 'were' : 'was'} changed by someone else since, and left so` : '';
+      return others.length > 0 ? `${others.join(', ')} ${others.length > 1 ? 'were' : 'was'} changed by another user since, and not undone` : '';
     } };
     const settle = async (made: Made) => {
       await this.fetchLooks().catch(() => {});

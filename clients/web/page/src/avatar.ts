@@ -1,4 +1,4 @@
-// A VRM avatar from a file, which shows a styled body and a face as the client library poses it.
+// A VRM avatar from a file, posed by the client library with a styled body and a face.
 import { Group, LoadingManager, Vector3, type Mesh, type Object3D } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { VRMLoaderPlugin, VRMUtils, type VRM, type VRMHumanBoneName } from '@pixiv/three-vrm';
@@ -52,14 +52,14 @@ export class Avatar {
     try {
       const gltf = await loader.parseAsync(bytes, '');
       vrm = gltf.userData.vrm as VRM | undefined;
-      // parser.associations is of no use: nodes that share a mesh share their entry there.
+      // parser.associations cannot be used: nodes that share a mesh share their entry there.
       const objects = (await gltf.parser.getDependencies('node')) as Object3D[];
       objects.forEach((object, node) => nodes.set(object, node));
       if (vrm) VRMUtils.removeUnnecessaryVertices(gltf.scene);
     } catch (error) {
       throw new Error(unreadable(file.name, error));
     }
-    if (!vrm) throw new Error(unreadable(file.name, 'no VRM came of it'));
+    if (!vrm) throw new Error(unreadable(file.name, 'the file contains no VRM'));
     return new Avatar(file, vrm, nodes, lost.size);
   }
 
@@ -70,7 +70,8 @@ export class Avatar {
     this.group.visible = true;
   }
 
-  /** What moves by poses, with its node in the file; hair and cloth, which springs move, is not among it. */
+  /** The parts that poses move, with their nodes in the file; hair and cloth, which springs move, are
+  excluded. */
   posed(): Nodes {
     const { humanoid, nodeConstraintManager } = this.vrm;
     const node = (object: Object3D) => this.nodes.get(object);
@@ -90,7 +91,7 @@ export class Avatar {
     return { bones, faces, hips: humanoid.getRawBoneNode('hips')! };
   }
 
-  /** Sets a pose for who reads what `posed` names, until `resume`; springs stay where they are. */
+  /** Sets a pose for readers of `posed`, until `resume`; springs are not updated. */
   pose(body: Body, frame: Pose): void {
     this.poser.pose(body, frame);
     this.vrm.update(0);
@@ -100,7 +101,7 @@ export class Avatar {
     if (this.shown) this.pose(this.shown.body, this.shown.frame);
   }
 
-  /** The next pose has nothing to do with the last one: hair and cloth hang at rest. */
+  /** The next pose is unrelated to the last one: hair and cloth hang at rest. */
   rewind(): void {
     this.vrm.springBoneManager?.reset();
   }

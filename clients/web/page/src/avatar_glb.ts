@@ -1,6 +1,6 @@
-// Writes a take as glTF binary of the avatar that wears it: the avatar's own file, with an animation put in
-// front of those that it has. Meshes, skins, textures and extensions (VRM) stay byte for byte as they are.
-// Pinned by test/avatar_glb.test.mjs, where programs that are not ours read it.
+// Writes a take as glTF binary of the avatar that was worn: the avatar's own file, with an animation in
+// front of its own ones. Meshes, skins, textures and extensions (VRM) stay byte for byte as they are.
+// Pinned by test/avatar_glb.test.mjs, in which independent programs read it.
 import { Matrix4, Quaternion, Vector3, type Group, type Object3D } from 'three';
 
 import type { Avatar } from './avatar.js';
@@ -8,9 +8,9 @@ import { GlbWriter, openGlb, type GltfNode, type Path } from './glb.js';
 import type { Replay } from './replay.js';
 import { Column, everyFrame } from './sampled.js';
 
-const AT_REST = 1e-6; // of a rotation's numbers: nobody sees less
+const AT_REST = 1e-6; // tolerance of a rotation's numbers, not visible
 
-/** What of an avatar moves, by node of its file. */
+/** The moving parts of an avatar, by node of its file. */
 export interface Nodes {
   bones: Map<number, Object3D>;
   /** Weights of morph targets. */
@@ -18,7 +18,7 @@ export interface Nodes {
   hips: Object3D;
 }
 
-// The hips' translation in the file, where the hips walk over the floor. On the stage `floor` does.
+// The hips' translation in the file, if the hips walk over the floor. On the stage `floor` does.
 function hipsOf(hips: Object3D, floor: Group): [number, number, number] {
   floor.updateWorldMatrix(true, false);
   hips.parent!.updateWorldMatrix(true, false);
@@ -38,10 +38,8 @@ function partsOf(node: GltfNode): void {
   Object.assign(node, { translation: place.toArray(), rotation: rotation.toArray(), scale: scale.toArray() });
 }
 
-/**
- * `replay` has the canonical humanoid. The avatar may be worn meanwhile: what is drawn is what is live. Rejects
- * where its file cannot be read any more.
- */
+/** `replay` has the canonical humanoid. The avatar may be worn meanwhile: the stage shows the live pose.
+Rejects if its file can no longer be read. */
 export async function avatarGlb(replay: Replay, avatar: Avatar): Promise<Blob> {
   const { gltf, buffer } = openGlb(await avatar.file.arrayBuffer());
   const { frames, take: { performer } } = replay;

@@ -1,4 +1,4 @@
-// The styles as cards: name, key, weight in force, a small moving figure; a menu on those that were made.
+// The styles as cards: name, key, weight in force, a small moving figure; a menu on made ones.
 import type { ListReply, StyleInfo } from 'styled-client';
 
 import type { App } from './app.js';
@@ -8,14 +8,14 @@ import type { StyleMenu } from './menu.js';
 import { Previews } from './previews.js';
 
 export const STYLE_KEYS = '1234567890';
-const LONG = 20; // letters; the name of a made style that has more is cut, and whole in its title
-const FILTER_FROM = 24; // styles; fewer are found at a glance
+const LONG = 20; // letters; a longer name of a made style is cut, and complete in its title
+const FILTER_FROM = 24; // number of styles below which no search is needed
 const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
 const KEPT = 'styled.figures'; // whether figures are shown, in this browser
 
 interface Card {
   name: string;
-  info: string; // what it was built of
+  info: string; // the data from which it was built
   box: HTMLElement;
   pick: HTMLButtonElement;
   fill: HTMLElement;
@@ -52,7 +52,7 @@ export class Cards {
   private readonly watcher: IntersectionObserver;
   private moving = localStorage.getItem(KEPT) !== 'off';
   private order = '';
-  private listed: ListReply | undefined; // what is shown
+  private listed: ListReply | undefined; // the present content
   private version = '';
   private lit = new Set<string>(); // cards whose fill is not empty
 
@@ -88,7 +88,7 @@ export class Cards {
     this.paintKind();
   }
 
-  /** Pixels that the cards want at least, whatever else is to be seen. */
+  /** The minimum height of the cards in pixels, whatever else is visible. */
   get least(): number {
     const rows = Math.ceil(this.cards.size / 3);
     return this.figured ? 84 * Math.min(rows, 2) : 37 * Math.min(rows, 5);
@@ -148,7 +148,7 @@ export class Cards {
     this.order = '';
   }
 
-  // Places the cards in order without moving those that are in their place: the focus stays.
+  // Places the cards in order without moving those already in place, so that the focus stays.
   private arrange(names: string[]): void {
     let next = this.grid.firstElementChild;
     for (const name of names) {
@@ -179,7 +179,7 @@ export class Cards {
       }, '⋯');
       box.append(more);
     }
-    if (known) { // in its place, and with its focus
+    if (known) { // in place, and with its focus
       known.box.before(box);
       if (known.box.contains(document.activeElement)) pick.focus();
       this.drop(info.name, known);
@@ -189,7 +189,7 @@ export class Cards {
     this.order = '';
   }
 
-  // Shows the cards that match what is sought, in name, alias, network or origin.
+  // Shows the cards that match the search in name, alias, network or origin.
   private sift(): void {
     const sought = this.filter.value.trim().toLowerCase();
     let matches = 0;

@@ -122,13 +122,13 @@ function bodyParts(app: App): HTMLElement {
 }
 
 const ROOTS: [Root, string, string][] = [
-  [Root.FOLLOW, 'Follow', 'The body stays where the performer is'],
+  [Root.FOLLOW, 'Follow', 'The body stays at the performer's place'],
   [Root.STRIDE, 'Stride', 'The body walks and runs at the speed of the style'],
 ];
 
-/** Where the styled body is on the floor. */
+/** The place of the styled body on the floor. */
 function rootSwitch(app: App): HTMLElement {
-  const box = h('div', { className: 'switch', role: 'group', 'aria-label': 'Way over the floor' });
+  const box = h('div', { className: 'switch', role: 'group', 'aria-label': 'Path over the floor' });
   for (const [root, label, title] of ROOTS) {
     box.append(h('button', {
       'data-root': label.toLowerCase(), title, onclick: () => void app.set({ root }, label.toLowerCase()),
@@ -141,9 +141,9 @@ function rootSwitch(app: App): HTMLElement {
   return box;
 }
 
-/** Says that styles are set whose strength is 0, and offers to change that. */
+/** Warns about styles that are set with strength 0, and offers to change that. */
 function unseen(app: App): HTMLElement {
-  const box = h('div', { className: 'unseen', role: 'status', hidden: true }, h('span', {}, 'Strength is 0: no style is to be seen.'),
+  const box = h('div', { className: 'unseen', role: 'status', hidden: true }, h('span', {}, 'Strength is 0: no style is visible.'),
     h('button', { 'data-strength': '1', onclick: () => void app.set({ strength: 1 }, 'strength 100 %') }, 'Set to 100 %'));
   app.watch(() => {
     const shown = app.performers().filter(({ performer }) => app.everyone || performer === app.selected);
@@ -159,7 +159,7 @@ export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement
   const transition = slider('Transition', { min: 0, max: 5000, step: 50 }, (ms) => `${(ms / 1000).toFixed(2)} s`,
     (ms) => (app.transition_ms = ms));
   transition.show(app.transition_ms);
-  const who = h('div', { className: 'switch', role: 'group', 'aria-label': 'Who is set' });
+  const who = h('div', { className: 'switch', role: 'group', 'aria-label': 'Selected performer' });
   for (const [everyone, label] of [[false, 'Selected'], [true, 'Everyone']] as const) {
     who.append(h('button', {
       'data-who': String(everyone),

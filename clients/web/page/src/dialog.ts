@@ -1,5 +1,5 @@
-// A dialog over the page. The browser keeps the focus within, closes it by Esc, and gives the focus
-// back to where it was.
+// A dialog over the page. The browser keeps the focus within, closes it by Esc, and returns the
+// focus afterwards.
 import { h } from './dom.js';
 
 export interface Dialog {
@@ -15,7 +15,7 @@ export function dialog(title: string, className: string, ...children: (Node | st
   const heading = h('h2', { id: `dialog-${++named}` }, title);
   const element: HTMLDialogElement = h('dialog', { className: `dialog ${className}`, 'aria-labelledby': heading.id },
     h('div', { className: 'sheet' }, h('div', { className: 'title' }, heading, close), ...children));
-  // The sheet covers all but the edge of the dialog, so a click on the dialog itself is one beside it.
+  // The sheet covers all but the edge of the dialog, so a click on the dialog itself is outside of it.
   element.addEventListener('click', ({ target }) => target === element && element.close());
   const show = () => {
     if (!element.open) element.showModal();

@@ -1,4 +1,4 @@
-// "By example": a style from a dropped file, or from what the performer does.
+// "By example": a style from a dropped file, or from the performer's motion.
 import { NoAnswerError, RefusedError } from 'styled-client';
 
 import type { App } from './app.js';
@@ -17,7 +17,7 @@ interface Lesson {
   cancelled: boolean;
 }
 
-/** Over the stage: the countdown and the take, large enough for who performs. */
+/** Over the stage: the countdown and the take, large enough for the performer. */
 function bigScreen(cancel: () => void): { element: HTMLElement; show(phase: Phase | undefined, lesson?: Lesson): void } {
   const title = h('b', { role: 'status' }), number = h('strong', { 'aria-live': 'assertive' });
   const bar = h('progress', { max: 1, value: 0, 'aria-label': 'How much of the take is over' });
@@ -37,7 +37,7 @@ function bigScreen(cancel: () => void): { element: HTMLElement; show(phase: Phas
       const neutral = phase.what === 'neutral';
       element.dataset.phase = phase.kind;
       element.dataset.what = phase.what;
-      setText(title, phase.kind === 'wait' ? 'Thank you' : neutral ? `${lesson.performer}, move as you always do`
+      setText(title, phase.kind === 'wait' ? 'Thank you' : neutral ? `${lesson.performer}, move as usual`
         : `${lesson.performer}, act out ${lesson.name}`);
       setText(number, phase.kind === 'count' ? String(phase.left) : phase.kind === 'take' ? (neutral ? 'Neutral' : 'Go') : 'Making the style …');
       bar.value = phase.kind === 'take' ? phase.part : phase.kind === 'wait' ? 1 : 0;
@@ -56,7 +56,7 @@ type Ask =
   | { kind: 'style'; file: File; name: string }
   | { kind: 'learn' };
 
-// Asks for the name, and for what else there is to say.
+// Asks for the name and the other options.
 function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neutral: boolean) => void): Form {
   const about = h('p', { className: 'hint' });
   const name = h('input', { type: 'text', name: 'style', maxLength: 40, spellcheck: false, autocomplete: 'off', 'aria-label': 'Name of the style' });
@@ -64,7 +64,7 @@ function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neut
   const neutral = h('input', { type: 'checkbox', name: 'neutral' });
   const learning = h('div', { className: 'learning' },
     h('label', {}, seconds, ' seconds'),
-    h('label', { title: 'First the performer moves as always; then only the difference counts' }, neutral, ' neutral take first'));
+    h('label', { title: 'First the performer moves as usual; only the difference is used' }, neutral, ' neutral take first'));
   const remark = h('p', { className: 'hint', role: 'status' });
   const go = h('button', { type: 'submit', className: 'go' }, 'Make');
   let ask: Ask | undefined;
@@ -98,7 +98,7 @@ function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neut
     },
     onkeydown: (event: KeyboardEvent) => {
       if (event.key !== 'Escape') return;
-      event.stopPropagation(); // no panic: it closes what is open
+      event.stopPropagation(); // Esc here closes the dialog instead of Panic
       close();
     },
   }, about, h('label', { className: 'named' }, 'Name', name), learning, remark,
@@ -125,9 +125,9 @@ export interface ExamplePanel {
   element: HTMLElement;
   /** Shown over the stage during a take. */
   lesson: HTMLElement;
-  /** Takes a dropped file; false if it is for somebody else. */
+  /** Accepts a dropped file; false if it is for another panel. */
   take(files: File[]): boolean;
-  /** Cancels a take that is on; false if none is. */
+  /** Cancels the current take; false if there is none. */
   cancel(): boolean;
 }
 
@@ -183,7 +183,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
       }
       if (!(await counted(running))) return;
       const reply = await app.client.like(performer, { name, learnS: seconds, neutralCode, transitionMs: app.transition_ms });
-      if (running.cancelled) { // too late for the daemon: it is taken back
+      if (running.cancelled) { // too late for the daemon: it is undone
         await app.fetchLooks();
         await app.restore(looks);
         return await back();
@@ -206,7 +206,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     else void send(name, ask.file, ask.kind);
     zone.focus();
   });
-  // One after the other, so that the answer that stays is that to the last file.
+  // One after the other, so that the reply to the last file remains.
   let sent: Promise<void> = Promise.resolve();
   const send = (name: string, file: File, kind: 'file' | 'style'): Promise<void> => {
     sent = sent.catch(() => undefined).then(() => sendNow(name, file, kind));
@@ -231,7 +231,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
       const { name: own } = JSON.parse(await file.text()) as { name?: unknown };
       if (typeof own === 'string') name = own;
     } catch {
-      // the daemon says what is wrong with it
+      // the daemon reports the error
     }
     const taken = app.taken();
     if (name === '' || (nameFault(name, taken) === '' && !taken.made.has(name))) return send(name, file, 'style');
@@ -266,8 +266,8 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     h('h2', { title: 'A style of an example: .bvh, .glb, .vrma, or the .json of an exported style' }, 'Style by example'), zone, learn, chosen, form.element, result);
   const obstacle = () => {
     if (!app.client.daemonState.up) return 'The daemon is away.';
-    if (lesson) return lesson.cancelled ? 'The cancelled take ends first.' : 'A take is on.';
-    if (!app.entry()) return 'Nobody is here to learn from.';
+    if (lesson) return lesson.cancelled ? 'The cancelled take ends first.' : 'A take is in progress.';
+    if (!app.entry()) return 'No performer is present.';
     return app.entry()!.live ? '' : `${app.selected} is silent.`;
   };
   const paint = () => {
@@ -276,7 +276,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     learn.disabled = reason !== '';
     learn.title = reason || `${app.selected} acts out a style for some seconds`;
     zone.disabled = busy || !app.client.daemonState.up;
-    zone.title = 'Like this: .bvh, .glb or .vrma of such a motion; .json: an exported style';
+    zone.title = '.bvh, .glb or .vrma: an example motion; .json: an exported style';
   };
   app.watch(paint);
   paint();

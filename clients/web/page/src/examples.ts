@@ -1,4 +1,4 @@
-// What is done with styles that examples make; each step can be taken back.
+// Operations on styles from examples; each step can be undone.
 import { Code, RefusedError, type LikeReply } from 'styled-client';
 
 import type { App } from './app.js';
@@ -10,7 +10,7 @@ export const MOST_BYTES = 8 * 1024 * 1024 - 4096; // of a request, for its clip
 // The style was made, but the performer could not be shown in it.
 const NOT_SHOWN = [Code.PINNED, Code.UNKNOWN_PERFORMER, Code.NOT_READY];
 
-/** What came of an example, for the panel. */
+/** The result of an example, for the panel. */
 export interface Outcome {
   text: string;
   bad: boolean;
@@ -25,20 +25,21 @@ export function fileFault(file: { name: string; size: number }): string {
   return file.size > MOST_BYTES ? `${file.name} has ${size(file.size)}, expected at most ${size(MOST_BYTES)}.` : '';
 }
 
-/** What the reply says of the example. */
+/** The reply's description of the example. */
 export function outcomeOf(reply: LikeReply, from: string, wearer: string): Outcome {
   const seconds = reply.seconds > 0 ? ` (${reply.seconds.toFixed(1)} s)` : '';
-  const worn = wearer ? '' : ' Nobody wears it yet.';
+  const worn = wearer ? '' : ' No performer wears it yet.';
   const near = reply.nearest ? ` Nearest: ${reply.nearest}, distance ${reply.distance.toFixed(2)}.` : '';
   const far = reply.distance > 1;
-  const warning = far ? ' The network knows nothing like it: expect a weak mixture of the styles that it resembles.' : '';
+  const warning = far ? ' It is unlike all styles that the network knows: expect a weak mixture of similar ones.' : '';
   return { text: `${reply.name} is made from ${from}${seconds}.${worn}${near}${warning}`, bad: far };
 }
 
 export class Examples {
   constructor(private readonly app: App) {}
 
-  /** What leads back from a style of this name that is about to be made: the one before, or none. */
+  /** The step that undoes a style of this name that is about to be made: restores the former one, or
+  removes it. */
   async former(name: string): Promise<() => Promise<void>> {
     const { client } = this.app;
     if (!this.app.taken().made.has(name)) {
@@ -55,7 +56,7 @@ export class Examples {
     };
   }
 
-  /** Remembers how to take back a style that was made. */
+  /** Stores how to undo a style that was made. */
   made(name: string, looks: Map<string, Setting>, back: () => Promise<void>): void {
     this.app.undo.push({
       what: name,
@@ -77,7 +78,7 @@ export class Examples {
     } catch (error) {
       if (!(error instanceof RefusedError && NOT_SHOWN.includes(error.code))) throw error;
       this.made(name, looks, back);
-      return { text: `${name} is made from ${file}, but nobody wears it: ${error.message}`, bad: true };
+      return { text: `${name} is made from ${file}, but no performer wears it: ${error.message}`, bad: true };
     } finally {
       await app.refresh();
     }
@@ -112,9 +113,9 @@ export class Examples {
     });
   }
 
-  /** Its file is kept here, so that it can be brought back. */
+  /** Its file is kept here, so that it can be restored. */
   remove(name: string): Promise<void> {
-    return this.attempt(`${name} is removed; Undo brings it back`, async () => {
+    return this.attempt(`${name} is removed; Undo restores it`, async () => {
       const { app } = this;
       const { file } = await app.client.exportStyle(name);
       const looks = new Map([...app.looks('*')].filter(([, { look }]) => look.mix.some(({ style }) => style === name)));

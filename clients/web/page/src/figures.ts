@@ -1,9 +1,9 @@
 // Draws the small moving figures: one loop for all that are in view, at most 15 pictures a second, none
-// while nothing is in view. Who prefers reduced motion sees them stand.
+// while nothing is in view. With reduced motion preferred, they stand still.
 import { JOINTS, drawFigure, poseAt, type Film, type Ink } from './pictures.js';
 
 const PICTURE_MS = 1000 / 15;
-const STILL_S = 0.4; // of the film that is shown where nothing is to move
+const STILL_S = 0.4; // position in the film that is shown without motion
 
 const reduced = matchMedia('(prefers-reduced-motion: reduce)');
 

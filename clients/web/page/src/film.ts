@@ -19,11 +19,11 @@ export class Film {
   constructor(canvas: HTMLCanvasElement, onBreak: (reason: string) => void) {
     this.media = new MediaRecorder(canvas.captureStream(), { mimeType: TYPE!, videoBitsPerSecond: BITS_PER_S });
     this.done = new Promise((resolve) => this.media.addEventListener('stop', () => resolve()));
-    this.media.addEventListener('error', () => onBreak('the browser cannot go on filming'));
+    this.media.addEventListener('error', () => onBreak('the browser cannot continue filming'));
     this.media.addEventListener('dataavailable', ({ data }) => {
       this.parts.push(data);
       this.bytes += data.size;
-      if (this.bytes >= MAX_BYTES) onBreak(`${MAX_BYTES >> 20} MiB are all that a video here may have`);
+      if (this.bytes >= MAX_BYTES) onBreak(`${MAX_BYTES >> 20} MiB is the limit of a video here`);
     });
     this.media.start(1000);
   }

@@ -1,4 +1,4 @@
-// The binary form of glTF 2.0 (section 4.4 of its specification): taken apart, added to, put together.
+// The binary form of glTF 2.0 (section 4.4 of its specification): parsed, extended, written.
 
 const MAGIC = 0x46546c67, JSON_CHUNK = 0x4e4f534a, BINARY_CHUNK = 0x004e4942;
 const FLOAT = 5126; // componentType
@@ -19,7 +19,7 @@ export interface GltfAnimation {
   samplers: { input: number; output: number; interpolation: 'LINEAR' }[];
   channels: { sampler: number; target: { node: number; path: Path } }[];
 }
-/** The description in a file; what is not named here stays as it is. */
+/** The description in a file; other content stays as it is. */
 export interface Gltf {
   asset: { version: string; generator?: string };
   scene?: number;
@@ -32,14 +32,14 @@ export interface Gltf {
   [other: string]: unknown;
 }
 
-/** The description and the buffer of a file that is one (vrmFault has found nothing wrong with it). */
+/** The description and the buffer of a valid file (vrmFault has found no error). */
 export function openGlb(bytes: ArrayBuffer): { gltf: Gltf; buffer: Uint8Array } {
   const view = new DataView(bytes);
   const text = view.getUint32(12, true), at = 20 + text;
   const gltf = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 20, text))) as Gltf;
   const binary = at + 8 <= view.getUint32(8, true) && view.getUint32(at + 4, true) === BINARY_CHUNK;
   const size = gltf.buffers?.[0]?.uri === undefined ? gltf.buffers?.[0]?.byteLength ?? 0 : 0;
-  if (!binary || size === 0) throw new Error('its data are not inside of it');
+  if (!binary || size === 0) throw new Error('its data is not inside the file');
   return { gltf, buffer: new Uint8Array(bytes, at + 8, Math.min(size, view.getUint32(at, true))) };
 }
 
@@ -52,7 +52,7 @@ export class GlbWriter {
     this.append(buffer);
   }
 
-  /** `range`: with its least and largest value, as a sampler's times must have it. Returns its index. */
+  /** `range`: with its least and greatest value, which a sampler's times require. Returns its index. */
   accessor(values: Float32Array, type: keyof typeof WIDTHS, range = false): number {
     const { gltf } = this;
     const views = (gltf.bufferViews ??= []), accessors = (gltf.accessors ??= []);

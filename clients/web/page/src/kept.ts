@@ -1,11 +1,12 @@
-// The avatars that this browser keeps, in IndexedDB, by file name, and who wears which.
+// The avatars that this browser stores, in IndexedDB, by file name, and which performer wears
+// which.
 const BASE = 'styled', FILES = 'avatars';
 const WORN = 'styled.worn'; // JSON in localStorage: file name by performer
 
 function promised<T>(request: IDBRequest<T>): Promise<T> {
   return new Promise((resolve, reject) => {
     request.onsuccess = () => resolve(request.result);
-    request.onerror = () => reject(request.error ?? new Error('the browser keeps nothing'));
+    request.onerror = () => reject(request.error ?? new Error('the browser stores nothing'));
   });
 }
 
@@ -26,7 +27,7 @@ async function within<T>(mode: IDBTransactionMode, action: (files: IDBObjectStor
   }
 }
 
-/** Keeps the file under its name; rejects where the browser has no room or keeps nothing. */
+/** Stores the file under its name; rejects if the browser has no room or stores nothing. */
 export async function keep(file: File): Promise<void> {
   await within('readwrite', (files) => files.put(file, file.name));
 }
@@ -46,7 +47,7 @@ function read(): Record<string, unknown> {
   }
 }
 
-/** What the performer wore last, here; '' if nothing. */
+/** The last avatar that the performer wore here; '' if none. */
 export function lastWorn(performer: string): string {
   const name = read()[performer];
   return typeof name === 'string' ? name : '';
@@ -58,6 +59,6 @@ export function noteWorn(performer: string, name: string): void {
   try {
     localStorage.setItem(WORN, JSON.stringify(name ? { ...others, [performer]: name } : others));
   } catch {
-    // No room, or not allowed to: then it is not remembered.
+    // No room, or not permitted: then it is not stored.
   }
 }

@@ -11,8 +11,8 @@ import type { Stage } from './stage.js';
 const HELP: [string, string][] = [
   ['1 … 9, 0', 'set a style; with Shift the next ten'],
   ['B', 'bypass'],
-  ['Esc', 'panic: everyone back to the bare source'],
-  ['Ctrl+Z, U', 'undo: the look before, and a style that was removed'],
+  ['Esc', 'panic: all performers to bypass'],
+  ['Ctrl+Z, U', 'undo: the former look, or a removed style'],
   ['[ ]', 'strength down, up'],
   ['G', 'GO: the next cue'],
   ['N', 'another variation of the style'],
@@ -20,7 +20,7 @@ const HELP: [string, string][] = [
   ['/', 'find a style'],
   ['↑ ↓', 'select a performer'],
   ['R', 'record the selected one; again: stop and save'],
-  ['E', 'set the selected one, or everyone'],
+  ['E', 'set the selected one, or all'],
   ['V', 'side by side, or overlaid'],
   ['T, C', 'foot trails, contact marks'],
   ['A D W S', 'camera left, right, up, down'],
@@ -64,7 +64,7 @@ export function keys(
     app.entry()!.look = { ...look, strength: next }; // until the daemon reports it
     app.changed();
   };
-  // As a click, if there is such a button now.
+  // Like a click, if there is such a button now.
   const press = (button: string) => document.querySelector<HTMLElement>(button)?.click();
   const plain: Record<string, () => void> = {
     b: () => void app.clear(),

@@ -1,15 +1,15 @@
 // The course of a take: countdown, take, and the same for a neutral one before it. Knows neither page
-// nor daemon; time is handed in.
+// nor daemon; time is an argument.
 
 export const COUNT_S = 3;
 
 export type What = 'neutral' | 'style';
 
-/** What is to be shown now. */
+/** The state to display. */
 export type Phase =
   | { kind: 'count'; what: What; left: number } // 3, 2, 1
   | { kind: 'take'; what: What; part: number; left_s: number } // part: 0 to 1
-  | { kind: 'wait'; what: What } // the take is over, the reply is on its way
+  | { kind: 'wait'; what: What } // the take is over, the reply is pending
   | { kind: 'over' };
 
 export class Course {
@@ -32,7 +32,7 @@ export class Course {
     return part < 1 ? { kind: 'take', what, part, left_s: this.seconds - since_s } : { kind: 'wait', what };
   }
 
-  /** Whether the countdown has ended and the take is to be asked for; call `go` then. */
+  /** Whether the countdown has ended and the take should be requested; call `go` then. */
   due(now_ms: number): boolean {
     return !this.over && this.takes.length > 0 && this.counting && now_ms - this.begun_ms >= 1000 * COUNT_S;
   }
@@ -41,7 +41,8 @@ export class Course {
     this.begun_ms = now_ms;
   }
 
-  /** The reply to a take is there: the next one begins with its countdown, or it is over. */
+  /** The reply to a take has arrived: the next one begins with its countdown, or the course ends.
+  */
   done(now_ms: number): void {
     this.takes.shift();
     this.counting = true;

@@ -1,5 +1,5 @@
-// Addresses of this page: what is asked of it after '?', and the link for OBS.
-// Pure; pinned by test/links.test.mjs.
+// Addresses of this page: the options after '?', and the link for OBS. Pure; pinned by
+// test/links.test.mjs.
 
 /** One performer alone, as OBS shows it. */
 export interface Alone {
@@ -9,7 +9,7 @@ export interface Alone {
   props?: boolean; // its props are shown, too
 }
 
-/** undefined: the whole page is asked for. `isColor`: whether a browser knows that colour. */
+/** undefined: the whole page is requested. `isColor`: whether a browser knows that colour. */
 export function aloneOf(search: string, isColor: (text: string) => boolean): Alone | undefined {
   const asked = new URLSearchParams(search);
   if (asked.get('view') !== 'avatar') return undefined;

@@ -1,4 +1,4 @@
-// Looks of performers: what leads back to one, and what is remembered of several.
+// Looks of performers: the change that restores one, and the stored looks of several.
 import type { Look, SetInit, Stats } from 'styled-client';
 
 /** How a performer is set: a style, and whether it is pinned. */
@@ -12,31 +12,32 @@ export function settingsOf(stats: Stats | undefined): Map<string, Setting> {
   return new Map((stats?.performers ?? []).flatMap(({ performer, look, pinned }) => (look ? [[performer, { look, pinned }] as const] : [])));
 }
 
+// The fields of a look beside its mix, the preset that the mix came from, and its fade. look.proto's, which
+// tests/documents/test_look.py compares.
+const FIELDS = ['strength', 'absolute', 'parts', 'inputStyle', 'root', 'vary', 'varyEach', 'varyAmount', 'driftS'] as const;
+
 // What a look says, as text; fades are not part of it.
 function textOf(look: Look): string {
-  const { mix, strength, absolute, parts, inputStyle, root, vary, varyEach, varyAmount, driftS } = look;
-  return JSON.stringify([mix.map(({ style, weight }) => [style, weight]), strength, absolute, [...parts].sort(), inputStyle,
-                         root, vary, varyEach, varyAmount, driftS]);
+  const said = FIELDS.map((field) => (field === 'parts' ? [...look.parts].sort() : look[field]));
+  return JSON.stringify([look.mix.map(({ style, weight }) => [style, weight]), ...said]);
 }
 
 export function sameLook(a: Look, b: Look): boolean {
   return textOf(a) === textOf(b);
 }
 
-/** The same, pinned or not alike. */
+/** The same look, whether pinned or not. */
 export function sameSetting(a: Setting, b: Setting): boolean {
   return a.pinned === b.pinned && sameLook(a.look, b.look);
 }
 
-/** The change that leads to `look` from any other. A preset is set by name if there still is one. */
+/** The change that leads to `look` from any other. A preset is set by name if it still exists. */
 export function changeTo(look: Look, presets: readonly string[], transitionMs: number): SetInit {
-  const { strength, absolute, parts, inputStyle, root, vary, varyEach, varyAmount, driftS } = look;
   const mix = look.mix.map(({ style, weight }) => ({ style, weight }));
-  const whole: SetInit = { strength, absolute, parts: [...parts], inputStyle, root, vary, varyEach, varyAmount, driftS, transitionMs };
   // Only what the daemon reported is sent: an older one refuses fields that it does not know.
-  for (const [name, value] of Object.entries(whole)) {
-    if (value === undefined) delete (whole as Record<string, unknown>)[name];
-  }
+  const reported = FIELDS.filter((field) => look[field] !== undefined);
+  const whole: SetInit = { transitionMs };
+  for (const field of reported) Object.assign(whole, { [field]: look[field] });
   if (look.preset && presets.includes(look.preset)) return { ...whole, preset: look.preset };
   return mix.length === 0 ? { ...whole, clear: true } : { ...whole, mix };
 }

@@ -1,4 +1,4 @@
-// The menu of a style that was made: rename, export, remove.
+// The menu of a made style: rename, export, remove.
 import { h, setText } from './dom.js';
 import { nameFault } from './names.js';
 import type { App } from './app.js';
@@ -85,6 +85,6 @@ export class StyleMenu {
       items.at(next % items.length)!.focus();
       event.preventDefault();
     }
-    event.stopPropagation(); // the page's keys are not for here
+    event.stopPropagation(); // the page's keys are not for this dialog
   }
 }

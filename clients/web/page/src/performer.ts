@@ -13,7 +13,7 @@ export const AFTER = 0xffb35c;
 const APART_M = 1.14; // half the distance between the two floors
 const CLOSE_M = 0.62; // ... for performers in the background
 const ANCHOR_S = 0.12; // time constant of the floor that follows the hips
-const MOVE_S = 0.25; // ... of a performer that moves to another spot
+const MOVE_S = 0.25; // ... for a performer that moves to another spot
 
 export interface View {
   overlay: boolean;
@@ -21,7 +21,7 @@ export interface View {
   contacts: boolean;
   /** The styled body only, without floor. */
   alone: boolean;
-  /** What the rig tracks beside the body. */
+  /** The objects that the rig tracks besides the body. */
   props: boolean;
 }
 
@@ -104,7 +104,7 @@ export class PerformerOnStage {
     }
   }
 
-  /** Applies the newest poses, if there are new ones; `of`: where they are, if not at the client. */
+  /** Applies the newest poses, if there are new ones; `of`: their source, if not the client. */
   take(of: (stream: Stream) => Shown | undefined = (stream) => this.client.latest(this.name, stream)): void {
     for (const role of [this.roles.before, this.roles.after]) {
       const update = of(role.stream);
@@ -126,7 +126,7 @@ export class PerformerOnStage {
     }
   }
 
-  /** The next pose has nothing to do with the last one. */
+  /** The next pose is unrelated to the last one. */
   rewind(): void {
     this.settled = this.anchored = false;
     for (const { floor } of [this.roles.before, this.roles.after]) floor.restart();

@@ -1,4 +1,4 @@
-// Small moving figures: a preview of the daemon as lines. No page is needed for any of it.
+// Small moving figures: a preview of the daemon as lines. Independent of the page.
 import type { PreviewReply } from 'styled-client';
 
 // The canonical humanoid (model/body/humanoid.h): the parent of each joint.
@@ -6,7 +6,7 @@ const PARENTS = [-1, 0, 1, 2, 3, 2, 5, 6, 7, 2, 9, 10, 11, 0, 13, 14, 15, 0, 17,
 export const JOINTS = PARENTS.length;
 const HEAD = 4, LEFT = new Set([5, 6, 7, 8, 13, 14, 15, 16]);
 const MOST_FRAMES = 3600;
-const TALL_M = 1.8; // what fits from the lower to the upper edge
+const TALL_M = 1.8; // the height that fits into the picture
 const CROWN_M = 0.1; // of the head, above its joint
 const TURN = 0.9; // radians; the figure walks to the right and a little towards us
 

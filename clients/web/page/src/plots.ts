@@ -65,7 +65,7 @@ class Plot {
     this.element.classList.remove('nodata');
   }
 
-  /** What is shown is old: nothing comes any more. */
+  /** The shown data is old: nothing arrives any more. */
   grey(): void {
     this.beyond.hidden = true;
     setText(this.now, 'no data');
@@ -122,7 +122,7 @@ export function plots(app: App, missed: () => number): HTMLElement {
   const look = () => {
     const { linkState: link, daemonState: daemon } = app.client;
     if (link.kind === 'open' && daemon.up && performance.now() - came_ms < SILENT_MS) return;
-    at = -1; // what was lost meanwhile is not of one second
+    at = -1; // losses during a pause do not belong to one second
     for (const plot of all) plot.grey();
   };
   app.watch(look);

@@ -1,9 +1,9 @@
-// Fetches previews of styles: one at a time, and only those that are wanted now.
+// Fetches previews of styles: one at a time, and only those that the page shows now.
 import { Code, RefusedError, type PreviewReply } from 'styled-client';
 
 import { filmOf, type Film } from './pictures.js';
 
-const PAUSE_MS = 30; // between two requests: others want to be heard, too
+const PAUSE_MS = 30; // between two requests, so that others get their turn
 const AGAIN_MS = 2000;
 
 export class Previews {
@@ -19,7 +19,7 @@ export class Previews {
 
   constructor(private readonly ask: (style: string) => Promise<PreviewReply>) {}
 
-  /** The styles there are, each with a text that changes when the style does. Others are forgotten. */
+  /** The existing styles, each with a text that changes when the style does. Others are dropped. */
   know(styles: Map<string, string>): void {
     this.version = styles;
     for (const [style, { version }] of this.films) if (styles.get(style) !== version) this.films.delete(style);
@@ -69,7 +69,7 @@ export class Previews {
         this.refused = true;
         this.onRefused();
       } else if (error instanceof RefusedError && error.code !== Code.BUSY) {
-        this.films.set(style, { version, film: undefined }); // this one has none
+        this.films.set(style, { version, film: undefined }); // this style has none
       } else {
         pause_ms = AGAIN_MS;
       }

@@ -32,7 +32,7 @@ function labelOf(name: string): Sprite {
   const context = canvas.getContext('2d')!;
   context.font = font;
   canvas.width = Math.ceil(context.measureText(words).width) + 16;
-  context.font = font; // a canvas of another size forgets it
+  context.font = font; // a resized canvas loses its settings
   context.textBaseline = 'middle';
   context.lineWidth = 6;
   context.strokeStyle = '#0c0f13';
@@ -59,7 +59,7 @@ export class Props {
   readonly group = new Group();
   private readonly drawn = new Map<string, Drawn>();
 
-  /** `skeleton`: of the frame's body. Props that the frame does not have go. */
+  /** `skeleton`: of the frame's body. Props that the frame lacks are removed. */
   show({ props }: Pick<Frame, 'props'>, { scene }: Skeleton): void {
     for (const [name, one] of this.drawn) if (!props.some((prop) => prop.name === name)) this.remove(name, one);
     const unit_m = scene.getMaxScaleOnAxis();
@@ -75,7 +75,7 @@ export class Props {
     }
   }
 
-  /** Where a prop is shown, in the performer's world; for tests. */
+  /** The position of a shown prop, in the performer's world; for tests. */
   place(name: string): number[] | undefined {
     return this.drawn.get(name)?.label.position.toArray();
   }

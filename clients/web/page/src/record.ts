@@ -19,7 +19,8 @@ const LONGEST_S = 600; // the file is made in memory
 const KINDS = ['styled', 'input', 'vrma', 'avatar', 'video'] as const;
 type What = (typeof KINDS)[number];
 
-/** Videos are made of the recorded poses; without WebCodecs, as on pages without TLS, the stage is filmed. */
+/** Videos are made from the recorded poses; without WebCodecs, as on pages without TLS, the stage is filmed.
+*/
 const RENDERS = 'VideoEncoder' in globalThis;
 
 /** Why recording is not possible, or ''. */
@@ -27,7 +28,7 @@ function obstacle(app: App): string {
   if (app.client.linkState.kind !== 'open') return 'The gateway is away.';
   if (!app.client.daemonState.up) return 'The daemon is away.';
   const entry = app.entry();
-  if (!entry) return 'Nobody is here yet.';
+  if (!entry) return 'No performer is present yet.';
   return entry.live ? '' : `${app.selected} is silent.`;
 }
 
@@ -50,10 +51,8 @@ function stamp(time: Date): string {
     `-${two(time.getHours())}${two(time.getMinutes())}${two(time.getSeconds())}`;
 }
 
-/**
- * A take that has ended; it can be saved repeatedly. `film`: the stage as it was seen, if it was filmed. `avatar`:
- * what was worn.
- */
+/** A take that has ended; it can be saved repeatedly. `film`: the filmed stage, if it was filmed. `avatar`: the
+avatar that was worn. */
 class Result {
   readonly filled: number[];
   private readonly humanoid: boolean; // it has the canonical humanoid
@@ -73,7 +72,7 @@ class Result {
     return !RENDERS || this.video !== undefined;
   }
 
-  /** False: `progress` said false. */
+  /** False: `progress` returned false. */
   async render(stage: Stage, progress: (share: number) => boolean): Promise<boolean> {
     const replay = Replay.of(this.take, this.grid);
     const filming = replay && stage.beginFilm(this.take.performer, WIDTH, HEIGHT);
@@ -102,7 +101,7 @@ class Result {
     const filled = Math.max(source, styled);
     if (filled > 0) {
       const why = source > styled ? causesOf(this.grid, 0, this.take.source) : causesOf(this.grid, 1, this.take.styled);
-      parts.push(`${filled} of them filled in between their neighbors (${causesInWords(why)})`);
+      parts.push(`${filled} of them interpolated between their neighbours (${causesInWords(why)})`);
     }
     return parts.join(', ');
   }
@@ -134,7 +133,7 @@ function resultOf(take: Take | undefined, film: Blob | undefined, avatar: Avatar
   return grid && grid.frames > 1 ? new Result(take, grid, film, avatar) : undefined;
 }
 
-/** What a button that saves it again says. */
+/** The text of a button that saves it again. */
 function chipWords(what: What, name: string): string {
   const extension = /\.\w+$/.exec(name)?.[0] ?? '1080p60';
   return what === 'vrma' ? extension : `${what[0]!.toUpperCase()}${what.slice(1)} ${extension}`;
@@ -157,7 +156,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
   const button = h('button', { className: 'record', onclick: () => toggle() },
     h('i', {}), label, h('kbd', {}, 'R'));
   const worn = h('option', { value: 'avatar' }, 'Avatar that moves, glTF');
-  const choice = h('select', { 'aria-label': 'What is saved' },
+  const choice = h('select', { 'aria-label': 'Formats to save' },
     h('option', { value: 'styled' }, 'Styled motion, BVH'),
     h('option', { value: 'styled input' }, 'Styled and input, 2 BVH'),
     h('option', { value: 'vrma' }, 'VRM animation, VRMA'),
@@ -229,8 +228,8 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     const lacking = wanted.find((what) => !saving.has(what));
     if (names) app.onMessage(`${why}Saved ${names}: ${saving.words()}.`, reason !== '');
     else if (lacking) {
-      app.onMessage(`${why}${saving.has('vrma') ? `${saving.take.performer} wears no avatar` : 'No frame of the canonical humanoid came'}: ` +
-        'nothing is saved yet; the buttons below save what there is.', true);
+      app.onMessage(`${why}${saving.has('vrma') ? `${saving.take.performer} wears no avatar` : 'No frame of the canonical humanoid arrived'}: ` +
+        'nothing is saved yet; the buttons below save the recorded data.', true);
     }
   };
   recorder.onEnd = (how) => void ended(how);
@@ -263,7 +262,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     button.setAttribute('aria-pressed', String(on));
     choice.disabled = on || rendering !== undefined;
     worn.disabled = stage.performers.get(app.selected)?.avatar === undefined;
-    worn.title = worn.disabled ? `${app.selected || 'Nobody'} wears no avatar` : '';
+    worn.title = worn.disabled ? `${app.selected || 'No performer'} wears no avatar` : '';
     badge.hidden = !on && !rendering;
     const time = clock(recorder.elapsed_s);
     const done = rendering && `${Math.floor(100 * rendering.share)} %`;
@@ -271,13 +270,13 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     document.title = on ? `● ${time} Styled` : 'Styled';
     if (done) {
       setText(badge.lastElementChild!, `video · ${done}`);
-      setText(line, 'The video is drawn from what was recorded; the stage shows it, the daemon goes on.');
+      setText(line, 'The video is drawn from the recording; the stage shows it, the daemon continues.');
     } else if (on) {
       const missed = recorder.missed;
       setText(badge.lastElementChild!, `${recorder.performer} · ${time}`);
       setText(line, `${recorder.frames} frames${missed > 0 ? `, ${missed} did not reach this page` : ''}`);
-      line.title = missed > 0 ? 'By the numbers of the frames that the daemon published: lost behind it, or passed ' +
-        'over because this page did not read. They are filled in between their neighbors' : '';
+      line.title = missed > 0 ? 'By the numbers of the frames that the daemon published: lost after it, or skipped ' +
+        'because this page did not read. They are interpolated between their neighbours' : '';
     } else if (!result && reason) setText(line, `Nothing to record: ${reason}`);
     else if (!result && line.textContent!.startsWith('Nothing to record')) setText(line, '');
   };

@@ -95,11 +95,12 @@ export class Recorder {
     track.add(frame);
     const { source, styled, canonical } = this.take;
     if (track.length >= this.limits.poses || source.bytes + styled.bytes + (canonical?.track.bytes ?? 0) >= this.limits.bytes) {
-      this.end(`${track.length} frames are all that a recording here may have; stylerec records without end`);
+      this.end(`${track.length} frames is the limit of a recording here; stylerec has none`);
     }
   }
 
-  // Before the first frame of the rig there is no take, and of another body no more is recorded.
+  // Before the first frame of the rig there is no take, and after a change of body nothing more is
+  // recorded.
   private onCanonical({ frame, body }: Update): void {
     if (!this.take || !body || frame.epoch !== this.epoch) return;
     this.take.canonical ??= { body, track: new Track(body.names.length) };

@@ -1,5 +1,5 @@
 // Encodes pictures that are drawn one after the other, as fast as the machine can, as a video file:
-// MP4 (H.264) where the browser encodes that, else WebM (VP9 or VP8), with its duration.
+// MP4 (H.264) if the browser can encode that, otherwise WebM (VP9 or VP8), with its duration.
 import { BufferTarget, CanvasSource, Mp4OutputFormat, Output, WebMOutputFormat, getFirstEncodableVideoCodec } from 'mediabunny';
 
 import { AT_ONCE_MS } from './save.js';
@@ -14,11 +14,9 @@ export interface Video {
   pictures: number;
 }
 
-/**
- * `draw`: draws picture i on the canvas, which has its final size. `progress`: is told the share that is
- * done; false from it ends the work, and undefined is returned. Rejects where the browser encodes no video of
- * that size.
- */
+/** `draw`: draws picture i on the canvas, which has its final size. `progress`: receives the completed share;
+returning false ends the work, and the result is undefined. Rejects if the browser cannot encode a video of
+that size. */
 export async function render(
   canvas: HTMLCanvasElement, rate_hz: number, pictures: number, draw: (i: number) => void, progress: (share: number) => boolean,
 ): Promise<Video | undefined> {

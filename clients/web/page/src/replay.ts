@@ -1,4 +1,5 @@
-// Plays a take on the stage, picture by picture, for a video: what was recorded, not what is live.
+// Plays a take on the stage, picture by picture, for a video: the recorded motion, not the live
+// one.
 import { create } from '@bufbuild/protobuf';
 import { FrameSchema, type Body, type Frame, type Stream } from 'styled-client';
 
@@ -44,7 +45,7 @@ export class Replay {
     return played && { body: played.body, faceNames: played.track.faceNames };
   }
 
-  /** Frames of a stream that did not come. */
+  /** Frames of a stream that did not arrive. */
   filled(stream: 'source' | 'rig' | 'canonical'): number {
     return filledIn(this.grid, ['source', 'rig', 'canonical'].indexOf(stream));
   }

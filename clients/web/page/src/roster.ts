@@ -3,17 +3,19 @@ import type { PerformerStats } from 'styled-client';
 
 import type { App } from './app.js';
 import { Avatar } from './avatar.js';
+import type { Dialog } from './dialog.js';
 import { h, setText } from './dom.js';
 import { neutralWords } from './findings.js';
 import { keep, keptFile, lastWorn, noteWorn } from './kept.js';
 import { kindOf } from './names.js';
 import type { Stage } from './stage.js';
+import { why } from './why.js';
 
-function list(app: App): HTMLElement {
+function list(app: App, explain: Dialog): HTMLElement {
   const box = h('div', { className: 'roster', role: 'listbox', 'aria-label': 'Performers' });
   const rows = new Map<string, { row: HTMLElement; rate: HTMLElement; words: HTMLElement; parts: HTMLElement; wrong: HTMLElement }>();
-  const empty = h('p', { className: 'hint' }, 'Nobody is here yet. Point a rig at the daemon, or start stylesim.');
-  // In how many statistics in a row: of the first one a part may be from before the style was set.
+  const empty = h('p', { className: 'hint' }, 'No performer is present yet. Point a rig at the daemon, or start stylesim.');
+  // Number of statistics in a row: a part of the first one may be from before the style was set.
   const hardly = new Map<string, number>();
   app.client.on('stats', ({ performers }) => {
     for (const entry of performers) {
@@ -23,7 +25,8 @@ function list(app: App): HTMLElement {
     app.changed();
   });
   app.watch(() => {
-    // Who was only named stands behind those who have come, who may otherwise be out of sight.
+    // Performers that were only named follow those that have been present, which may otherwise be
+    // out of sight.
     const came = ({ live, received }: PerformerStats) => live || received > 0n;
     const performers = app.performers().sort((a, b) => Number(came(b)) - Number(came(a)));
     const names = performers.map(({ performer }) => performer);
@@ -31,7 +34,7 @@ function list(app: App): HTMLElement {
       rows.clear();
       for (const name of names) {
         const rate = h('span', { className: 'rate' }), words = h('span', { className: 'words' }), parts = h('span', { className: 'words layers' }), wrong = h('span', { className: 'words wrong' });
-        const row = h('button', { role: 'option', 'data-performer': name, onclick: () => app.select(name) },
+        const row = h('button', { role: 'option', 'data-performer': name, onclick: () => (app.selected === name ? explain.show() : app.select(name)) },
           h('i', {}), h('b', {}, name), rate, words, parts, wrong);
         rows.set(name, { row, rate, words, parts, wrong });
       }
@@ -42,7 +45,8 @@ function list(app: App): HTMLElement {
       const { row, rate, words, parts, wrong } = rows.get(entry.performer)!;
       row.setAttribute('aria-selected', String(entry.performer === app.selected));
       row.classList.toggle('live', entry.live);
-      row.title = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
+      const also = entry.layers.map(({ part, source, live }) => `${part}: ${source} (${live ? 'live' : 'silent'})`).join(', ');
+      row.title = entry.performer === app.selected ? `${also ? `${also}. ` : ''}Click: what became of the frames, and why` : also;
       setText(rate, entry.live ? `${entry.rateHz.toFixed(0)} Hz` : 'silent');
       const set = (entry.look?.mix ?? []).filter(({ weight }) => weight > 0).map(({ style }) => style).join(' + ');
       setText(words, (entry.look?.preset || set || 'bypass') + (entry.pinned ? ' · pinned' : '') + neutralWords(entry));
@@ -52,10 +56,12 @@ function list(app: App): HTMLElement {
       wrong.hidden = wrong.textContent === '';
     }
   });
-  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty, ownStyle(app));
+  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty,
+    h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? What became of the frames'), ownStyle(app));
 }
 
-// What other sources give a performer, such as a phone the face, and the own style.
+// The parts that other sources provide for a performer, such as a phone the face, and the own
+// style.
 function layers(line: HTMLElement, { layers, look }: PerformerStats): void {
   const given = [...(look?.inputStyle ? [{ text: `moves as: ${look.inputStyle}`, live: true }] : []),
     ...layers.map(({ source, part, live }) => ({ text: `${part}: ${source}${live ? '' : ', silent'}`, live }))];
@@ -66,18 +72,18 @@ function layers(line: HTMLElement, { layers, look }: PerformerStats): void {
   line.replaceChildren(...given.map(({ text, live }) => h('span', { className: live ? 'live' : 'silent' }, text)));
 }
 
-/** The style in which the selected performer moves already, and which is taken away first. */
+/** The selected performer's own style, which is removed first. */
 function ownStyle(app: App): HTMLElement {
   const choice = h('select', { name: 'own', 'aria-label': 'Own style' });
   choice.addEventListener('change', () => void app.setOwnStyle(choice.value));
-  const box = h('label', { className: 'own', title: 'The style in which the performer moves already: it is taken away before another is put on' },
+  const box = h('label', { className: 'own', title: 'The performer's own style: it is removed before another is applied' },
     h('span', {}, 'Own style'), choice);
   let shown = '';
   app.watch(() => {
     const entry = app.entry();
     box.hidden = !entry?.look || app.list === undefined || app.watchOnly;
     const own = entry?.look?.inputStyle ?? '';
-    // One that these weights do not have stays in the list, so that it is seen.
+    // A style that these weights do not have stays in the list, so that it is visible.
     const names = [...new Set([...app.styles(), ...(own ? [own] : [])])];
     if (names.join() !== shown) {
       shown = names.join();
@@ -125,7 +131,7 @@ function looks(stage: Stage): Looks {
 
 interface Wardrobe {
   element: HTMLElement;
-  /** Gives new performers what they wore last. */
+  /** Restores the last avatars of new performers. */
   dress(names: string[]): void;
 }
 
@@ -133,7 +139,7 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, shar
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   const label = h('span', {});
   const zone = h('button', { className: 'drop', onclick: () => file.click() }, label);
-  const off = h('button', { className: 'off', title: 'Take it off', 'aria-label': 'Take the avatar off' }, '×');
+  const off = h('button', { className: 'off', title: 'Remove it', 'aria-label': 'Remove the avatar' }, '×');
   const link = h('button', { className: 'links', onclick: share, title: 'Links for OBS and for a phone' }, 'OBS, phone …');
   const put = async (name: string, chosen: File) => {
     const wearer = stage.performers.get(name);
@@ -143,7 +149,7 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, shar
   };
   const wear = async (chosen: File) => {
     const name = app.selected;
-    if (!stage.performers.has(name)) return app.onMessage('nobody is here to wear it', true);
+    if (!stage.performers.has(name)) return app.onMessage('no performer is present to wear it', true);
     app.onMessage(`loading ${chosen.name} …`, false);
     try {
       const lost = await put(name, chosen);
@@ -151,7 +157,7 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, shar
       noteWorn(name, kept ? chosen.name : '');
       app.onMessage(`${name} wears ${chosen.name}` + (lost === 0 ? '' : lost === 1
         ? '; one of its textures could not be loaded' : `; ${lost} of its textures could not be loaded`) +
-        (kept ? '' : '; this browser does not keep it'), lost > 0 || !kept);
+        (kept ? '' : '; this browser does not store it'), lost > 0 || !kept);
     } catch (error) {
       app.onMessage((error as Error).message, true);
     }
@@ -159,7 +165,7 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, shar
   };
   const dressed = new Set<string>();
   const dress = (names: string[]) => {
-    for (const name of dressed) if (!names.includes(name)) dressed.delete(name); // may come back
+    for (const name of dressed) if (!names.includes(name)) dressed.delete(name); // may return
     for (const name of names) {
       if (dressed.has(name)) continue;
       dressed.add(name);
@@ -168,7 +174,7 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, shar
       void keptFile(worn).then(async (kept) => {
         if (kept && !stage.performers.get(name)?.avatar) await put(name, kept);
         app.changed();
-      }).catch(() => noteWorn(name, '')); // no longer kept, or no longer an avatar
+      }).catch(() => noteWorn(name, '')); // no longer stored, or no longer an avatar
     }
   };
   off.addEventListener('click', () => {
@@ -210,14 +216,15 @@ function wardrobe(app: App, stage: Stage, take: (files: File[]) => boolean, shar
   };
 }
 
-/** `examples`: its panel, and who takes the files that are dropped and no avatar. `share`: shows the links. */
+/** `examples`: its panel, which also accepts dropped files that are not avatars. `share`: shows the links. */
 export function roster(
   app: App, stage: Stage, record: HTMLElement, examples: { element: HTMLElement; take(files: File[]): boolean }, share: () => void,
 ): { element: HTMLElement; looks: Looks; dress(names: string[]): void } {
   const view = looks(stage);
+  const explain = why(app);
   const clothes = wardrobe(app, stage, examples.take, share);
   return {
-    element: h('aside', { className: 'panel left' }, list(app), examples.element, record, view.element, clothes.element),
+    element: h('aside', { className: 'panel left' }, list(app, explain), explain.element, examples.element, record, view.element, clothes.element),
     looks: view,
     dress: clothes.dress,
   };

@@ -29,7 +29,7 @@ export class Column {
     this.length += 4;
   }
 
-  /** Whether it has this value, and no other, within `most`. */
+  /** Whether all values equal this one within `most`. */
   stays(value: ArrayLike<number>, most: number): boolean {
     return this.values.every((x, i) => Math.abs(x - value[i % this.width]!) <= most);
   }
@@ -37,10 +37,8 @@ export class Column {
 
 type CanonicalFrame = NonNullable<ReturnType<Replay['at']>>;
 
-/**
- * Calls `take` with each frame of the styled motion of the canonical humanoid, and returns the frames' times in
- * seconds. The page goes on meanwhile; `rest` is called before, and at the end.
- */
+/** Calls `take` with each frame of the styled motion of the canonical humanoid, and returns the frames' times
+in seconds. The page stays responsive; `rest` is called before, and at the end. */
 export async function everyFrame(replay: Replay, take: (of: CanonicalFrame) => void, rest: () => void = () => {}): Promise<Float32Array> {
   const breathe = breather();
   const times = new Float32Array(replay.frames);

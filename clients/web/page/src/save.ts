@@ -1,11 +1,12 @@
 import { h } from './dom.js';
 
-/** Of work on a file, then the event loop runs. */
+/** Milliseconds of work on a file, after which the event loop runs. */
 export const AT_ONCE_MS = 40;
 
 const KEPT_MS = 60000; // long enough for any browser to begin saving
 
-/** To be awaited often during long work: now and then the event loop runs, so that the page goes on. */
+/** To be awaited often during long work: lets the event loop run now and then, so that the page stays
+responsive. */
 export function breather(): () => Promise<void> | undefined {
   let begun_ms = performance.now();
   return () => {
@@ -18,7 +19,7 @@ export function breather(): () => Promise<void> | undefined {
   };
 }
 
-/** Hands a file to the browser to be saved. */
+/** Passes a file to the browser to be saved. */
 export function saveFile(blob: Blob, name: string): void {
   const url = URL.createObjectURL(blob);
   h('a', { href: url, download: name }).click();

@@ -6,7 +6,7 @@ import { isOwnMachine, obsLink, pageLink } from './links.js';
 import { qrOf } from './qr.js';
 import type { Stage } from './stage.js';
 
-// Dark on light, whatever the page's colours: not all readers know the other way round.
+// Dark on light, whatever the page's colours: not all readers support the inverse.
 function codeOf(text: string): SVGElement {
   const { side, path } = qrOf(text);
   return svg('svg', { viewBox: `0 0 ${side} ${side}`, class: 'qr', role: 'img', 'aria-label': 'QR code of the page link', 'shape-rendering': 'crispEdges' },
@@ -46,7 +46,7 @@ export function share(app: App, stage: Stage, token: string | undefined): Dialog
   const obs = copied('OBS link', 'obs'), phone = copied('page link', 'page');
   const who = h('p', {}), kept = h('p', {}), code = h('div', { className: 'code' });
   const risk = h('p', { className: 'warn', hidden: !token },
-    'These links contain the token. Anyone who has one can do here whatever you can. Do not show it on air; ' +
+    'These links contain the token. Anyone who has one can do everything that you can do here. Do not show it on air; ' +
     'OBS writes them into its scene file. For viewers run a second styleweb with --watch-only and a token of its own.');
   const far = own
     ? h('p', {}, `This page is at ${location.host}, which no phone can reach. Start styleweb with --listen 0.0.0.0:7080 ` +

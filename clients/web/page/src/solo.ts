@@ -1,6 +1,6 @@
-// One performer alone, for OBS: no panels, no floor, nothing but the avatar, or the styled body
-// without one. What is amiss is said until the first frame was seen; from then on only while a pointer moves,
-// so that it is not on air.
+// One performer alone, for OBS: no panels, no floor, only the avatar, or the styled body without one.
+// Problems are shown until the first frame was drawn; after that only while a pointer moves, so that they are
+// not on air.
 import type { PerformerStats, StyledClient } from 'styled-client';
 
 import { Avatar } from './avatar.js';
@@ -11,7 +11,8 @@ import { Stage } from './stage.js';
 
 const SAID_MS = 5000;
 const QUIET_MS = 1500; // after the start, which takes some time
-const READ_MS = 10000; // from the first frame on, for who lacks an avatar; a body is seen then
+const READ_MS = 10000; // from the first frame on, for a user without an avatar; the body is visible
+                       // then
 const LISTED = 6; // names
 
 export function solo(client: StyledClient, wish: Alone): { element: HTMLElement; stage: Stage } {
@@ -19,8 +20,8 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   const note = h('p', { className: 'note', role: 'status', hidden: true });
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   let fault = '', timer = 0;
-  let seeking = wish.avatar !== ''; // whether it is here is not known yet
-  let here: PerformerStats[] | undefined; // as the daemon told last
+  let seeking = wish.avatar !== ''; // whether it is stored here is not known yet
+  let here: PerformerStats[] | undefined; // as last reported by the daemon
   let avatar: Avatar | undefined;
 
   const amiss = () => {
@@ -45,7 +46,7 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
     clearTimeout(timer);
     timer = window.setTimeout(() => (note.hidden = true), SAID_MS);
   };
-  // Until the first frame: without a pointer, too. Never again afterwards.
+  // Until the first frame it is shown without a pointer, too; afterwards never again.
   let first_ms: number | undefined;
   const opened_ms = performance.now();
   const watching = window.setInterval(() => {
@@ -59,7 +60,7 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   }, 250);
   const show = (name: string) => {
     if (name === stage.selected) return;
-    stage.performers.get(stage.selected)?.takeOff(); // the performer goes, the avatar stays
+    stage.performers.get(stage.selected)?.takeOff(); // the performer leaves, the avatar stays
     stage.selected = name;
     stage.setPerformers(name ? [name] : []);
     stage.performers.get(name)?.setAvatar(avatar);
@@ -76,8 +77,8 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   };
   const choose = async (chosen: File) => {
     await wear(chosen);
-    // Kept under the name that the link asks for, so that the next start finds it.
-    if (!fault) await keep(new File([chosen], wish.avatar || chosen.name)).catch(() => (fault = 'This browser does not keep it.'));
+    // Stored under the name in the link, so that the next start finds it.
+    if (!fault) await keep(new File([chosen], wish.avatar || chosen.name)).catch(() => (fault = 'This browser does not store it.'));
     say();
   };
   const find = async () => {
@@ -87,7 +88,7 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
   };
 
   document.body.dataset.view = 'avatar';
-  // A dark scheme would give the page a dark ground of the browser's own.
+  // A dark scheme would give the page a dark background of the browser's own.
   document.querySelector('meta[name=color-scheme]')?.setAttribute('content', 'normal');
   document.documentElement.style.colorScheme = 'normal';
   document.documentElement.style.background = document.body.style.background = wish.background;

@@ -51,7 +51,7 @@ function backdrop(): CanvasTexture {
   return texture;
 }
 
-/** A film that is being drawn; `end` gives the stage back to what is live. */
+/** A film that is being drawn; `end` returns the stage to the live motion. */
 export interface Filming {
   draw(of: (stream: Stream) => Shown | undefined, dt_s: number): void;
   end(): void;
@@ -88,10 +88,8 @@ export class Stage {
   private second_ms = 0;
   private inSecond = 0;
 
-  /**
-   * `alone`: one performer without floor, labels and background; the page is seen behind it. `props`: what the rig
-   * tracks beside the body is shown.
-   */
+  /** `alone`: one performer without floor, labels and background; the page is visible behind it. `props`: the
+  objects that the rig tracks are shown. */
   constructor(private readonly client: StyledClient, { alone = false, props = true } = {}) {
     this.view.alone = alone;
     this.view.props = props;
@@ -127,14 +125,14 @@ export class Stage {
     this.orbit.maxPolarAngle = 1.62;
     this.home();
     renderer.domElement.tabIndex = 0;
-    renderer.domElement.setAttribute('aria-label', 'Stage: drag to look around, wheel to come closer');
+    renderer.domElement.setAttribute('aria-label', 'Stage: drag to look around, wheel to zoom');
     this.element.append(renderer.domElement, this.labelLayer);
     new ResizeObserver(() => this.resize()).observe(this.element);
     if (!alone) renderer.domElement.addEventListener('click', (event) => this.pick(event));
     renderer.setAnimationLoop((now) => this.draw(now));
   }
 
-  /** Instead of what is live, one performer's poses are drawn, from where the camera stands. */
+  /** Instead of the live motion, one performer's poses are drawn, from the current camera. */
   beginFilm(name: string, width: number, height: number): Filming | undefined {
     const performer = this.performers.get(name);
     if (!performer || this.filming) return undefined;
@@ -183,7 +181,7 @@ export class Stage {
     this.orbit.update();
   }
 
-  /** Turns the camera by radians, or comes closer (factor below 1). */
+  /** Turns the camera by radians, or moves it closer (factor below 1). */
   turn(around: number, up: number, closer = 1): void {
     const offset = this.camera.position.clone().sub(this.orbit.target).multiplyScalar(closer);
     offset.applyAxisAngle(new Vector3(0, 1, 0), around);

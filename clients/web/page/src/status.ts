@@ -14,7 +14,7 @@ interface Trouble {
   kind: 'ok' | 'wait' | 'bad'; // selects the colour of the light
   title: string;
   text: string;
-  sources?: boolean; // what is known of the sources helps
+  sources?: boolean; // facts about the sources help
 }
 
 /** The current problem. The title is empty while all is well. */
@@ -23,11 +23,11 @@ function trouble(app: App): Trouble {
   if (link.kind === 'refused') {
     const text = link.status === 401
       ? `${link.reason}. Open this page as ${location.origin}/#token=...` : link.reason;
-    return { kind: 'bad', title: 'The gateway refuses us', text };
+    return { kind: 'bad', title: 'The gateway refuses this page', text };
   }
   if (link.kind !== 'open') {
     return { kind: 'bad', title: 'The gateway is away',
-             text: `styleweb at ${location.host} does not answer. Trying again by itself.` };
+             text: `styleweb at ${location.host} does not answer. Retrying.` };
   }
   if (!daemon.up) {
     return { kind: 'bad', title: 'The daemon is away', text: `${daemon.reason || 'styled does not answer'}. Waiting for it.` };
@@ -37,7 +37,7 @@ function trouble(app: App): Trouble {
              text: 'The daemon runs, but no rig sends. Point one at it, or start stylesim.', sources: true };
   }
   if (app.live().length === 0) {
-    return { kind: 'wait', title: 'The rig is silent', text: 'No frames come. stylectl doctor says more.', sources: true };
+    return { kind: 'wait', title: 'The rig is silent', text: 'No frames arrive. stylectl doctor shows more.', sources: true };
   }
   return { kind: 'ok', title: '', text: '' };
 }
@@ -59,7 +59,7 @@ export function banner(app: App): HTMLElement {
     setText(text, now.text);
     const lines = now.sources ? found : [];
     list.hidden = lines.length === 0;
-    // A screen reader is told what is new, not the same once a second.
+    // A screen reader is notified of changes, not once a second.
     const words = (line: string) => line.replace(/\d+ datagrams/, '');
     if (lines.map(words).join() !== [...list.children].map((line) => words(line.textContent!)).join()) {
       list.replaceChildren(...lines.map((line) => h('li', {}, line)));
@@ -71,7 +71,7 @@ export function banner(app: App): HTMLElement {
   return box;
 }
 
-/** The last message. A step that it offers to take back is offered for ten seconds. */
+/** The last message. A step that it offers to undo is offered for ten seconds. */
 export function toast(app: App): HTMLElement {
   const words = h('span', { role: 'log' });
   const undo = h('button', { className: 'small', 'data-toast': 'undo', hidden: true, title: 'Ctrl+Z', onclick: () => void app.undoLast() }, 'Undo');
@@ -109,7 +109,7 @@ export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
   };
   const undo = h('button', { className: 'quiet undo', 'aria-label': 'Undo', onclick: () => void app.undoLast() },
     h('b', {}, '↶'), h('span', {}, 'Undo'));
-  const panic = h('button', { className: 'panic', onclick: () => void app.panic(), title: 'Everyone to bypass (Esc)' }, 'Panic', h('kbd', {}, 'Esc'));
+  const panic = h('button', { className: 'panic', onclick: () => void app.panic(), title: 'All performers to bypass (Esc)' }, 'Panic', h('kbd', {}, 'Esc'));
   app.watch(() => {
     undo.disabled = app.watchOnly || app.undo.size === 0;
     undo.title = app.undo.last ? `Undo: ${app.undo.last.what} (Ctrl+Z)` : 'Nothing to undo (Ctrl+Z)';

@@ -7,15 +7,15 @@ const MOMENT = 5; // numbers per pose that describe its time, and its contacts
 const DISAGREE_S = 0.5; // if two clocks differ by more over one step, the rig's clock restarted
 const FORGET = 0.9; // fraction of a pose's timing error that is carried over to the next one
 const SAME_RATE = 4e-4;
-// Rates of rigs and cameras; one that is measured as near to one of them means it.
+// Rates of rigs and cameras; a measured rate near one of them is taken as that rate.
 const USUAL_HZ = [24, 25, 30, 48, 50, 60, 72, 75, 80, 90, 100, 120, 144, 150, 180, 200, 240];
 const NEAR_RATE = 0.02;
-const AT = 1e-6; // of a grid step: as good as on it
+const AT = 1e-6; // of a grid step: counts as on it
 
 /** A face's values by name. */
 export type Face = { name: string; value: number }[];
 
-/** An object that the rig tracks beside the body, where a frame has it. */
+/** An object that the rig tracks besides the body, if a frame has it. */
 export interface PropPose {
   name: string;
   position: number[];
@@ -33,12 +33,14 @@ export class Track {
   // MOMENT numbers each: sequence, the rig's time (s), the daemon's time (s), the rig's own
   // sequence, bits of contacts
   private readonly moments: Float64Array[] = [];
-  /** Of all expressions that came. */
+  /** Of all expressions that arrived. */
   readonly faceNames: string[] = [];
-  private readonly faces: (Float32Array | undefined)[] = []; // by faceNames, as many as were known then
+  private readonly faces: (Float32Array | undefined)[] = []; // by faceNames, as many as were known
+                                                             // at that time
   private besidesBytes = 0; // of faces and props
   private readonly propNames: string[] = [];
-  private readonly props: (Float32Array | undefined)[] = []; // by propNames, as many as were known then; NaN: not there
+  private readonly props: (Float32Array | undefined)[] = []; // by propNames, as many as were known
+                                                             // at that time; NaN: absent
 
   constructor(joints: number) {
     this.width = 3 + 4 * joints;
@@ -137,10 +139,9 @@ export interface Take {
   canonical?: { body: Body; track: Track };
 }
 
-/**
- * The index of each pose of the tracks in the rig's steps, and the range that all tracks cover, in frames of
- * 1/rate_hz. `step`: of a frame in the rig's steps; 1, unless the rig keeps its nominal rate only nearly.
- */
+/** The index of each pose of the tracks in the rig's steps, and the range that all tracks cover, in frames
+of 1/rate_hz. `step`: a frame in the rig's steps; 1, unless the rig keeps its nominal rate only
+approximately. */
 export interface Grid {
   rate_hz: number;
   first: number;
@@ -175,8 +176,9 @@ function step_s(a: Moment, b: Moment): number {
   return rig > 0 && Math.abs(rig - daemon) < DISAGREE_S ? rig : Math.max(0, daemon);
 }
 
-// The nominal rate: "120" for 119.998, as poses come, and for 119.2 as well, then with `step` other
-// than 1, so that the file's time is correct to its end. `steps`: how many were measured.
+// The nominal rate: "120" for 119.998, as poses arrive, and for 119.2 as well, then with `step`
+// other than 1, so that the file's time is correct to its end. `steps`: the number of measured
+// steps.
 function rateMeant(rate_hz: number, steps: number): { rate_hz: number; step: number } {
   const ntsc = (near_hz: number) => (near_hz * 1000) / 1001;
   for (const meant_hz of [Math.round(rate_hz), ntsc(Math.round(rate_hz * 1.001))]) {
@@ -204,7 +206,7 @@ export function gridOf(tracks: Track[]): Grid | undefined {
   steps_s.forEach((step, i) => {
     const sequences = moments[i + 1]!.sequence - moments[i]!.sequence;
     const steps = Math.max(sequences, Math.round((step + late_s) / usual_s));
-    // Jitter must not accumulate: the next pose is measured from this one's expected time.
+    // Jitter must not accumulate: the next pose is measured from the expected time of this pose.
     late_s = FORGET * (step + late_s - steps * usual_s);
     slot += steps;
     whole_s += step;
@@ -267,8 +269,8 @@ export function causesOf(grid: Grid, index: number, track: Track): Causes {
 export function causesInWords({ unreached, unpublished, unnumbered }: Causes): string {
   return [
     unreached && `${unreached} did not reach this page`,
-    unpublished && `${unpublished} never left the daemon: lost on the way from the rig, or passed over because ` +
-      'they came too late',
+    unpublished && `${unpublished} never left the daemon: lost on the way from the rig, or skipped because ` +
+      'they were too late',
     unnumbered && `${unnumbered} where time passed between two frames of the rig in a row`,
   ].filter((part) => part).join('; ');
 }
@@ -293,7 +295,7 @@ function between(a: Float32Array, b: Float32Array, share: number): Float64Array 
   return pose;
 }
 
-/** Reads a track at places that grow, in the rig's steps within the range of its grid. */
+/** Reads a track at increasing places, in the rig's steps within the range of its grid. */
 export class TrackReader {
   private after = 0;
 
@@ -307,7 +309,8 @@ export class TrackReader {
     const before = this.slots[this.after - 1]!;
     return between(this.track.pose(this.after - 1), this.track.pose(this.after), (place - before) / (next - before));
   }
-  /** The props: as received, or interpolated like the body; one that the next frame has not stays until it. */
+  /** The props: as received, or interpolated like the body; one that the next frame lacks stays until that
+  frame. */
   props(place: number): PropPose[] {
     this.seek(place);
     const next = this.slots[this.after]!;

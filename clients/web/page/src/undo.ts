@@ -1,12 +1,12 @@
-// The steps that can be taken back. Knows neither page nor daemon.
+// The steps that can be undone. Knows neither page nor daemon.
 
 const MOST = 50;
 const GESTURE_MS = 1500;
 
 export interface Step {
-  /** What was done, for messages. */
+  /** The name of the step, for messages. */
   what: string;
-  /** Takes it back; resolves to what is to be said of it besides; rejects if that fails. */
+  /** Undoes the step; resolves to an additional remark; rejects if that fails. */
   back(): Promise<string | void>;
 }
 
@@ -28,11 +28,9 @@ export class UndoStack {
     return this.entries.at(-1);
   }
 
-  /**
-   * Adds a step. Steps of one gesture (a knob that is dragged) that follow each other closely are one,
-   * and lead back to where the first of them began: then true is returned, and this `back` is never called. The
-   * oldest of more than fifty is dropped.
-   */
+  /** Adds a step. Steps of one gesture (a knob that is dragged) that follow each other closely are merged, and
+  lead back to the beginning of the first: then the result is true, and this `back` is never called. The oldest
+  of more than fifty is dropped. */
   push(step: Step, gesture = ''): boolean {
     const last = this.entries.at(-1);
     const at_ms = this.now_ms();
@@ -46,11 +44,9 @@ export class UndoStack {
     return false;
   }
 
-  /**
-   * Takes the last step back. Resolves to the step's name and to what `back` says; to undefined where there is no
-   * step, or where another one is being taken back. A step that fails is kept for another try, unless `lost` says
-   * that no try can succeed.
-   */
+  /** Undoes the last step. Resolves to the step's name and the result of `back`; to undefined if there is no
+  step, or if another one is being undone. A step that fails is kept for another try, unless `lost` says that no
+  try can succeed. */
   async undo(lost: (error: unknown) => boolean = () => false): Promise<{ what: string; remark: string } | undefined> {
     if (this.busy) return undefined;
     const entry = this.entries.pop();

@@ -1,4 +1,5 @@
-// Variations of a style: which one, how far, whether it wanders, and whether each performer has its own.
+// Variations of a style: which one, how far, whether it changes slowly, and whether each performer has
+// its own.
 import { paced, type App } from './app.js';
 import { h } from './dom.js';
 import { section, slider } from './widgets.js';
@@ -43,7 +44,7 @@ export function variation(app: App): HTMLElement {
     paced((value: number) => app.set({ varyAmount: value }, `variation at ${Math.round(100 * value)} %`, 'vary amount')));
   const drift = slider('Drift', { min: 0, max: 60, step: 1 }, (value) => (value === 0 ? 'off' : `${value} s`),
     paced((value: number) => app.set({ driftS: value }, value === 0 ? 'no drift' : `drift, ${value} s from one to the next`, 'drift')));
-  drift.element.title = 'The variation wanders: about so many seconds from one to the next';
+  drift.element.title = 'The variation changes slowly: seconds from one to the next';
   const box = section('Variation',
     h('div', { className: 'vary' }, dice, number, plain,
       h('label', { title: "Shifted by each performer's name" }, each, ' each its own')),
@@ -51,7 +52,7 @@ export function variation(app: App): HTMLElement {
   box.classList.add('variation');
   app.watch(() => {
     const look = app.entry()?.look;
-    box.hidden = look?.vary === undefined; // of a daemon that has none
+    box.hidden = look?.vary === undefined; // for a daemon that has none
     if (!look || box.hidden) return;
     if (performance.now() - touched_ms > HELD_MS) {
       number.value = String(look.vary ?? 0);

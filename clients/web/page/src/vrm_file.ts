@@ -24,11 +24,11 @@ function bonesOf(gltf: unknown): Set<string> | undefined {
 function wrongIn(bytes: ArrayBuffer): [string, string?] | undefined {
   const view = new DataView(bytes);
   if (bytes.byteLength < 20 || new TextDecoder().decode(bytes.slice(0, 4)) !== 'glTF') {
-    return ['is no VRM file: it does not begin as binary glTF does'];
+    return ['is not a VRM file: it does not begin like binary glTF'];
   }
   const version = view.getUint32(4, true), length = view.getUint32(8, true), jsonBytes = view.getUint32(12, true);
-  if (version !== 2) return [`is no VRM file: it is binary glTF of version ${version}`];
-  if (length > bytes.byteLength) return [`is not whole: it has ${bytes.byteLength} of ${length} bytes`];
+  if (version !== 2) return [`is not a VRM file: it is binary glTF of version ${version}`];
+  if (length > bytes.byteLength) return [`is not complete: it has ${bytes.byteLength} of ${length} bytes`];
   if (view.getUint32(16, true) !== JSON_CHUNK || 20 + jsonBytes > length) {
     return ['is damaged: its first part is not the description'];
   }
@@ -36,19 +36,19 @@ function wrongIn(bytes: ArrayBuffer): [string, string?] | undefined {
   try {
     gltf = JSON.parse(new TextDecoder().decode(bytes.slice(20, 20 + jsonBytes)));
   } catch (error) {
-    return ['is damaged: its description is no JSON', (error as Error).message];
+    return ['is damaged: its description is not JSON', (error as Error).message];
   }
   const bones = bonesOf(gltf);
-  if (!bones) return ['is glTF, but no VRM avatar: it has no humanoid'];
+  if (!bones) return ['is glTF, but not a VRM avatar: it has no humanoid'];
   const missing = REQUIRED.filter((bone) => !bones.has(bone));
-  return missing.length > 0 ? [`is no whole humanoid: it has no ${missing.join(', ')}`] : undefined;
+  return missing.length > 0 ? [`is not a complete humanoid: it has no ${missing.join(', ')}`] : undefined;
 }
 
 function sentence(name: string, [what, words]: [string, string?]): string {
   return `${name} ${what}; ${WANTED}${words ? ` (${words})` : ''}`;
 }
 
-/** What is wrong with the file, in a sentence; '' if no problem is found. */
+/** The error of the file, in a sentence; '' if no problem is found. */
 export function vrmFault(name: string, bytes: ArrayBuffer): string {
   const wrong = wrongIn(bytes);
   return wrong ? sentence(name, wrong) : '';

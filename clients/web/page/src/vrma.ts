@@ -1,6 +1,6 @@
 // Writes a take as a VRM animation (.vrma): VRMC_vrm_animation 1.0 in glTF 2.0. The nodes are the canonical
 // humanoid, which stands in VRM's T-pose with all rotations 0, in VRM's axes and metres, so frames are copied
-// as they are. Pinned by test/vrma.test.mjs, where programs that are not ours read it.
+// as they are. Pinned by test/vrma.test.mjs, in which independent programs read it.
 import { presetOf, type Body } from 'styled-client';
 
 import { GlbWriter, type Gltf, type GltfNode, type Path } from './glb.js';
@@ -8,7 +8,7 @@ import type { Replay } from './replay.js';
 import { Column, everyFrame } from './sampled.js';
 
 const EYES = ['leftEye', 'rightEye'];
-const NO_EXPRESSION = /^look(Up|Down|Left|Right)$/; // gaze is of lookAt
+const NO_EXPRESSION = /^look(Up|Down|Left|Right)$/; // gaze belongs to lookAt
 
 interface Gaze {
   node: number;
@@ -42,7 +42,8 @@ function skeletonOf(body: Body): { nodes: GltfNode[]; of: number[]; eyes: number
   return { nodes, of, eyes };
 }
 
-/** `replay` has the canonical humanoid. Expressions that the rig names as VRM's presets are these, others custom ones. */
+/** `replay` has the canonical humanoid. Expressions that the rig names like VRM's presets become these, others custom
+ones. */
 export async function vrmaOf(replay: Replay): Promise<Blob> {
   const { body, faceNames } = replay.canonical!;
   const { nodes, of, eyes } = skeletonOf(body);

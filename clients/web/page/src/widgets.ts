@@ -1,4 +1,4 @@
-// Parts that several panels are built of.
+// Widgets that several panels use.
 import { h, setText } from './dom.js';
 
 export function section(title: string, ...children: (Node | undefined)[]): HTMLElement {

@@ -22,7 +22,7 @@ function bodyOf(bones) {
     offsets: [0, 0.9, 0, ...bones.slice(1).flatMap(() => [0, 0.1, 0])],
   });
 }
-/** All joints at rest, but for these: degrees about X. */
+/** All joints at rest, except for these: degrees about X. */
 function frameOf(body, turned = {}, fields = {}) {
   const rotations = body.names.flatMap((name) => turn([1, 0, 0], ((turned[name] ?? 0) * Math.PI) / 180));
   return makeFrame(body, 1, { rotations, rootPosition: [0, 0.9, 0], output: Output.CANONICAL, ...fields });

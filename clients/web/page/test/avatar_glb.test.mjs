@@ -62,7 +62,7 @@ function turned(gltf) {
   gltf.scenes[0].nodes[0] = gltf.nodes.length - 1;
 }
 
-// The same avatar as VRM 0: it looks along -Z, and says so in other words.
+// The same avatar as VRM 0: it looks along -Z, and states it by other keys.
 function asVrm0(gltf) {
   for (const node of gltf.nodes) {
     const [x, y, z] = node.translation ?? [0, 0, 0];

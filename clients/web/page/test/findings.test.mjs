@@ -1,4 +1,4 @@
-// What the page says of a rig that is silent.
+// The page's messages about a silent rig.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { create } from '@bufbuild/protobuf';
@@ -27,7 +27,7 @@ test('phones, sources that ask a server, and devices are told what they lack', (
   assert.match(silent('natnet'), /asks Motive, which has never answered\..*server of this source/);
   assert.match(silent('slimevr-usb'), /plugged in/);
   for (const type of ['ifacialmocap', 'natnet', 'usb', 'slimevr-usb']) assert.doesNotMatch(silent(type), /send to this machine/);
-  assert.match(findings(one('livelinkface', 60), one('livelinkface', 60))[0], /60 datagrams came, none of them now\. Is the app on the phone open/);
+  assert.match(findings(one('livelinkface', 60), one('livelinkface', 60))[0], /60 datagrams arrived, none of them now\. Is the app on the phone open/);
 });
 
 test('a phone that sends is no reason for silence: its face waits for a body', () => {
@@ -37,7 +37,7 @@ test('a phone that sends is no reason for silence: its face waits for a body', (
   const layers = [{ source: 'glove', part: 'fingers', live: true }];
   const found = findings(of(160, 5, layers), of(100, 5, layers));
   assert.deepEqual(found.map((text) => text.split(' ')[0]), ['stage', 'phone', 'glove']);
-  assert.match(found[1], /60 datagrams came in the last second: a face, which waits for the body/);
+  assert.match(found[1], /60 datagrams arrived in the last second: a face, which waits for the body/);
   assert.match(found[2], /: fingers, which waits? for the body/);
 });
 
@@ -45,7 +45,7 @@ test('datagrams that are no poses, with what they are counted as', () => {
   const before = stats({ stage: 100 }, { 'source.malformed': 100, 'source.received': 100 });
   const found = findings(stats({ stage: 160 }, { 'source.malformed': 160, 'source.received': 160 }), before);
   assert.deepEqual(found.length, 1);
-  assert.match(found[0], /: 60 datagrams came in the last second, but no pose: they are not what .* \(source\.malformed\)\.$/);
+  assert.match(found[0], /: 60 datagrams arrived in the last second, but no pose: they are not what .* \(source\.malformed\)\.$/);
   // Counted as nothing in particular.
   assert.match(findings(stats({ stage: 160 }), stats({ stage: 100 }))[0], /but no pose: stylectl doctor stage looks into them\.$/);
 });
@@ -54,22 +54,22 @@ test('a message of control that is refused is no reason why a source has no pose
   const before = stats({ stage: 100 }, { 'control.malformed': 5 });
   const found = findings(stats({ stage: 160 }, { 'control.malformed': 95 }), before);
   assert.deepEqual(found, [
-    'stage (vmc, udp://0.0.0.0:39539): 60 datagrams came in the last second, but no pose: stylectl doctor stage looks into them.']);
+    'stage (vmc, udp://0.0.0.0:39539): 60 datagrams arrived in the last second, but no pose: stylectl doctor stage looks into them.']);
 });
 
 test('while two sources talk, counters of the whole daemon say nothing of either; of one that talks they do', () => {
   const before = stats({ a: 100, b: 100 }, { 'source.malformed': 100 });
   const both = findings(stats({ a: 160, b: 130 }, { 'source.malformed': 160 }), before);
   assert.equal(both.length, 2);
-  both.forEach((text) => assert.match(text, /^([ab]) .* datagrams came in the last second, but no pose: stylectl doctor \1 looks into them\.$/));
+  both.forEach((text) => assert.match(text, /^([ab]) .* datagrams arrived in the last second, but no pose: stylectl doctor \1 looks into them\.$/));
   const [one, other] = findings(stats({ a: 160, b: 100 }, { 'source.malformed': 160 }), before);
   assert.match(one, /^a .*but no pose: they are not what .* \(source\.malformed\)\.$/);
   assert.match(other, /^b .*none of them now/);
 });
 
 test('a rig that stopped; statistics of another daemon are not compared', () => {
-  assert.match(findings(stats({ stage: 160 }), stats({ stage: 160 }))[0], /160 datagrams came, none of them now/);
-  assert.match(findings(stats({ stage: 160 }, {}, 2n), stats({ stage: 100 }))[0], /160 datagrams came, none of them now/);
+  assert.match(findings(stats({ stage: 160 }), stats({ stage: 160 }))[0], /160 datagrams arrived, none of them now/);
+  assert.match(findings(stats({ stage: 160 }, {}, 2n), stats({ stage: 100 }))[0], /160 datagrams arrived, none of them now/);
 });
 
 test('of many sources those that speak come first', () => {

@@ -1,4 +1,4 @@
-// What a rig tracks beside the body, on the stage.
+// Objects that a rig tracks besides the body, on the stage.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Matrix4, Vector3 } from 'three';

@@ -6,7 +6,7 @@ import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
 globalThis.self = globalThis; // three's loader of textures asks for it
 
-/** The file's bytes, in which the validator finds neither errors nor warnings, but for these `known` codes. */
+/** The file's bytes, in which the validator finds neither errors nor warnings, except for these `known` codes. */
 export async function validBytes(blob, ...known) {
   const bytes = await blob.arrayBuffer();
   const { issues } = await validator.validateBytes(new Uint8Array(bytes));
@@ -14,7 +14,7 @@ export async function validBytes(blob, ...known) {
   return bytes;
 }
 
-/** What three.js makes of it. `plugins`: of its loader. */
+/** The scene that three.js loads. `plugins`: of its loader. */
 export function load(bytes, ...plugins) {
   const loader = new GLTFLoader();
   for (const plugin of plugins) loader.register(plugin);
@@ -26,7 +26,7 @@ export function player({ scene, animations: [clip] }) {
   const mixer = new AnimationMixer(scene);
   mixer.clipAction(clip).play();
   return (time_s) => {
-    mixer.setTime(Math.min(time_s, clip.duration - 1e-9)); // at its end it would begin anew
+    mixer.setTime(Math.min(time_s, clip.duration - 1e-9)); // it would restart at its end
     scene.updateMatrixWorld(true);
     return (object) => object.getWorldPosition(new Vector3());
   };

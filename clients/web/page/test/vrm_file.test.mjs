@@ -25,14 +25,14 @@ test('a whole humanoid of either version is let through', () => {
 });
 
 for (const [what, bytes, said] of [
-  ['nothing', new ArrayBuffer(0), /is no VRM file/],
-  ['another file', new TextEncoder().encode('a text about avatars and nothing else').buffer, /is no VRM file/],
+  ['nothing', new ArrayBuffer(0), /is not a VRM file/],
+  ['another file', new TextEncoder().encode('a text about avatars and nothing else').buffer, /is not a VRM file/],
   ['glTF of old', binary({}, { version: 1 }), /version 1/],
-  ['a file cut short', binary(vrm1(REQUIRED), { length: 9999 }), /is not whole: it has \d+ of 9999 bytes/],
-  ['a damaged description', binary('{"asset": '), /no JSON.*\(.*JSON.*\)$/],
-  ['a description that is null', binary('null'), /no VRM avatar/],
-  ['glTF of a chair', binary({ asset: { version: '2.0' } }), /no VRM avatar/],
-  ['a humanoid without bones', binary({ extensions: { VRMC_vrm: { humanoid: {} } } }), /no VRM avatar/],
+  ['a file cut short', binary(vrm1(REQUIRED), { length: 9999 }), /is not complete: it has \d+ of 9999 bytes/],
+  ['a damaged description', binary('{"asset": '), /not JSON.*\(.*JSON.*\)$/],
+  ['a description that is null', binary('null'), /not a VRM avatar/],
+  ['glTF of a chair', binary({ asset: { version: '2.0' } }), /not a VRM avatar/],
+  ['a humanoid without bones', binary({ extensions: { VRMC_vrm: { humanoid: {} } } }), /not a VRM avatar/],
   ['a humanoid without a foot', binary(vrm1(REQUIRED.slice(0, -1))), /it has no rightFoot;/],
 ]) {
   test(`${what} is named, with what was expected`, () => {

@@ -280,7 +280,7 @@ TEST(StepAgainstReference, SwitchDropAndRestart) {
   EXPECT_LT(CompareThrough({{0, 0, {{1, 1.0F}}},
                             {40, 0, {{1, 0.5F}, {2, 0.5F}}},  // a second style begins
                             {60, 0, {{2, 1.0F}}},             // the first is dropped
-                            {90, 0, {{1, 0.7F}, {2, 0.0F}}},  // begins anew; weight 0: live
+                            {90, 0, {{1, 0.7F}, {2, 0.0F}}},  // restarts; weight 0: live
                             {110, 0, {{2, 1.0F}}},
                             {130, 0, {}},
                             {150, 0, {{3, 1.0F}, {1, 0.2F}}}},

@@ -169,7 +169,7 @@ TEST(Rows, TermsMayOverlapAndYMayBeAddedToItself) {
   });
 }
 
-// The other passes over rows, on random numbers of every width.
+// The other functions over rows, on random numbers of every width.
 TEST(Rows, MixturesAreSumsOfRowsOfTheSameFrame) {
   OnEachTarget([] {
     SCOPED_TRACE(BestRowKernels().target);

@@ -41,12 +41,12 @@ std::vector<Prediction> Predict(const net::ClipStylizer& stylizer, const net::St
   Prediction out;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     stream->Add(poses[i]);
-    while (stream->Take(out)) all.push_back(out);
+    while (stream->Pop(out)) all.push_back(out);
     if (most_late != nullptr) *most_late = std::max(*most_late, i + 1 - all.size());
   }
   stream->End();
-  while (stream->Take(out)) all.push_back(out);
-  EXPECT_FALSE(stream->Take(out));
+  while (stream->Pop(out)) all.push_back(out);
+  EXPECT_FALSE(stream->Pop(out));
   return all;
 }
 

@@ -104,7 +104,7 @@ TEST_F(Points, ABiasShiftsTheOutput) {
   }
 }
 
-// What is added to scale and shift does what a code with those affine maps does.
+// Values added to scale and shift have the effect of a code with those affine maps.
 TEST_F(Points, ScaleAndShiftOfAnotherStyleAreThatStyle) {
   const PointSpace& points = network->points();
   const auto one = points.PointOf(Mean(1)), two = points.PointOf(Mean(2));

@@ -32,7 +32,7 @@ class Reference {
     Doubles of_x;    // S
     Doubles square;  // Q
   };
-  // What one run through the encoder or a decoder remembers, by layer.
+  // The memory of one run through the encoder or a decoder, by layer.
   struct Past {
     std::map<std::string, std::vector<Clip>> inputs;
     std::map<std::string, Sums> sums;

@@ -66,7 +66,7 @@ TEST_F(Space, CodesOfStylesAndOfChanceHaveNoBias) {
   EXPECT_FALSE(space.IsCode({}));
 }
 
-// What the network makes of an example, made neutral and styled again, stands as the example does.
+// The network's output for an example, made neutral and styled again, stands as the example does.
 TEST_F(Space, AnExampleStandsWhereItStood) {
   const std::vector<body::Pose> example = Walk(120);
   const StyleCode code = space.MakeCode({.sources = {Example(example)}});

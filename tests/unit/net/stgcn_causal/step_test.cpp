@@ -29,7 +29,7 @@ double Difference(const Output& a, const Output& b) {
   return std::max(Difference(a.reconstruction, b.reconstruction), Difference(a.styled, b.styled));
 }
 
-// What the network and its state hold.
+// The sizes of the network and its state.
 bool AllFinite(const State& state) {
   bool finite = std::isfinite(state.count);
   for (std::size_t i = 0; i < state.memory.size(); ++i) {
@@ -121,7 +121,7 @@ TEST_F(StepAgainstReference, AStyleBeginsMixesEndsAndBeginsAnew) {
                             {20, 0, {{1, 1.0F}}},
                             {40, 0, {{1, 0.3F}, {5, 0.1F}, {2, 0.2F}, {4, 0.25F}}},
                             {60, 0, {{2, 1.0F}}},
-                            {80, 0, {{2, 0.0F}}},  // it ends; it goes on alone up to frame 119
+                            {80, 0, {{2, 0.0F}}},  // it ends; continues alone up to frame 119
                             {90, 0, {}},
                             {130, 0, {{3, 1.0F}, {1, 0.2F}}},
                             {150, 0, {}},
@@ -258,7 +258,7 @@ TEST_F(Step, TheReconstructionDoesNotDependOnTheStyle) {
 }
 
 // The second decoder has followed the first, so that a style of nearly no strength changes nearly
-// nothing. A decoder that began anew would be as far off as the control.
+// nothing. A decoder that restarted would be as far off as the control.
 TEST_F(Step, AStyleBeginsWithoutAJump) {
   State state = network->MakeState(), late = network->MakeState();
   Run(state, 0, 100, {});

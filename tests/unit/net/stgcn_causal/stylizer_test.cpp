@@ -241,7 +241,7 @@ TEST_F(CausalStylizer, MemoryIsWhatAStepWrites) {
   EXPECT_FALSE(std::equal(memory.begin(), memory.end(), before.begin()));
 }
 
-// Whoever runs a user's weights tries them first.
+// A program that runs a user's weights tries them first.
 TEST_F(CausalStylizer, SoundWeightsPassTheTrialRunAndWildOnesDoNot) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const auto bytes = RandomWeights(3, 16, seed).Bytes();

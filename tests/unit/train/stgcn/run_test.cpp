@@ -134,7 +134,7 @@ TEST_F(StGcnRun, FlagsThatCannotWorkAreRefused) {
     change(flags);
     return Train(flags).message();
   };
-  // What no program could load afterwards.
+  // Files that no program could load afterwards.
   for (const int width : {0, 8, 24, 112}) {
     EXPECT_THAT(refused([width](RunFlags& f) { f.width = width; }),
                 testing::HasSubstr("--width: found " + std::to_string(width) +

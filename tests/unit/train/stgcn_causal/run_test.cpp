@@ -236,7 +236,8 @@ TEST_F(CausalRun, AnExportedFileHasTheTensorsOfTheFormatAsTheyWere) {
         << name;
   }
   EXPECT_EQ(tensors.at("g.dec1.adain2.start_square").shape, std::vector<std::int64_t>{32});
-  // What both families have is the teacher's: the mean codes stay, the weights were trained.
+  // The parts common to both families are the teacher's: the mean codes stay, the weights were
+  // trained.
   const auto teacher_bytes = net::ReadFile(Weights("teacher"));
   const auto teacher = net::ParseWeights(teacher_bytes.value(), "teacher");
   const auto same = [&](const std::string& name) {

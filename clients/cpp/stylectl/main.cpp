@@ -1,7 +1,0 @@
-#include <iostream>
-
-#include "clients/cpp/stylectl/cli.h"
-
-int main(int argc, char** argv) {
-  return styled::stylectl::Run({argv + 1, argv + argc}, std::cout, std::cerr);
-}

@@ -1,0 +1,374 @@
+#include "daemon/perform/commands.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/looks/refusal.h"
+#include "model/base/text.h"
+
+namespace styled::pipeline {
+namespace {
+
+// Most bytes of a name that a reason quotes. The text must be valid UTF-8, or clients cannot parse
+// the reply.
+constexpr std::size_t kShown = 80;
+
+}  // namespace
+
+bool Commands::Apply(const v1::Request& request, v1::Reply& reply) {
+  reply.set_id(request.id());
+  Status status = Status::Ok();
+  switch (request.command_case()) {
+    case v1::Request::kList:
+      List(reply);
+      break;
+    case v1::Request::kSet:
+      status = Change(request.performer(), request.set(), "set", reply);
+      break;
+    case v1::Request::kPin:
+      status = Pin(request, reply);
+      break;
+    case v1::Request::kPreset: {
+      v1::Look change;
+      change.set_preset(request.preset().name());
+      if (request.preset().has_transition_ms()) {
+        change.set_transition_ms(request.preset().transition_ms());
+      }
+      status = Change(request.performer(), std::move(change), "preset", reply);
+      break;
+    }
+    case v1::Request::kPanic:
+      Panic(reply);
+      break;
+    case v1::Request::kReset:
+      status = Reset(request, reply);
+      break;
+    case v1::Request::kCue:
+      status = Fire(request.cue(), reply);
+      break;
+    case v1::Request::kStatus:
+      return false;
+    case v1::Request::kCalibrate:  // these are handled by the pipeline
+    case v1::Request::kTakeCheckpoint:
+    case v1::Request::kRestoreCheckpoint:
+    case v1::Request::kLead:
+    case v1::Request::kExplain:
+    case v1::Request::kLike:  // these by the files thread
+    case v1::Request::kPreview:
+    case v1::Request::kExportStyle:
+    case v1::Request::kImportStyle:
+    case v1::Request::kRenameStyle:
+    case v1::Request::kRemoveStyle:
+    case v1::Request::COMMAND_NOT_SET:
+      status = Refused(
+          v1::CODE_UNKNOWN_COMMAND,
+          "no command that this daemon knows; expected list, set, pin, preset, panic, reset, cue, "
+          "calibrate, like, preview, export_style, import_style, rename_style, remove_style, "
+          "take_checkpoint, restore_checkpoint, lead, explain or status");
+  }
+  FillReply(status, reply);
+  return true;
+}
+
+void Commands::FollowStyles(const v1::Request& request, v1::Reply& reply) {
+  const bool renamed = request.has_rename_style();
+  if (!renamed && !request.has_remove_style()) return;
+  const std::string& name = renamed ? request.rename_style().name() : request.remove_style().name();
+  const std::string to = renamed ? request.rename_style().to() : "";
+  const auto follow = [&](Profile& profile) {
+    if (!ReplaceStyle(name, to, profile.look)) return;
+    changed_ = true;
+    if (profile.id != roster_.to_come.id) Applied(profile, roster_.LiveOf(profile), reply);
+  };
+  for (const auto& [id, profile] : roster_.profiles) follow(*profile);
+  follow(roster_.to_come);
+}
+
+std::optional<v1::Request> SetThatShows(const v1::Request& like) {
+  if (!like.has_like() || like.like().measure() || like.performer().empty()) return std::nullopt;
+  v1::Request request;
+  request.set_performer(like.performer());
+  v1::Look& look = *request.mutable_set();
+  auto& mix = *look.add_mix();
+  mix.set_style(like.like().name());
+  mix.set_weight(1);
+  if (like.like().has_transition_ms()) look.set_transition_ms(like.like().transition_ms());
+  return request;
+}
+
+void Commands::Show(const v1::Request& like, v1::Reply& reply) {
+  auto request = SetThatShows(like);
+  if (!request) return;
+  const Status status =
+      Change(request->performer(), std::move(*request->mutable_set()), "like", reply);
+  if (!status.ok()) FillReply(status, reply);
+}
+
+Result<Commands::Targets> Commands::Find(const std::string& performer) {
+  Targets targets;
+  if (performer == "*") {
+    targets.all = true;
+    for (const auto& [id, profile] : roster_.profiles) targets.profiles.push_back(profile.get());
+    return targets;
+  }
+  if (!config::IsPerformerId(performer)) {
+    return Refused(v1::CODE_UNKNOWN_PERFORMER,
+                   "performer \"" + Printable(performer, kShown) + "\": expected SOURCE.NAME or *");
+  }
+  if (!roster_.KnowsSource(performer.substr(0, performer.find('.')))) {
+    std::string reason = "performer \"" + performer + "\": no such source; the sources are";
+    for (const auto& name : roster_.source_names()) reason += " " + name;
+    return Refused(v1::CODE_UNKNOWN_PERFORMER, std::move(reason));
+  }
+  Profile* profile = roster_.EnsureProfile(performer);
+  if (profile == nullptr) {
+    return Refused(v1::CODE_BUSY,
+                   std::to_string(roster_.profiles.size()) +
+                       " performers have settings already; clear those of some who do not come");
+  }
+  targets.profiles.push_back(profile);
+  return targets;
+}
+
+void Commands::List(v1::Reply& reply) const {
+  auto& list = *reply.mutable_list();
+  const auto& styles = roster_.config().network->model().styles;
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    if (styles[i].retired) continue;
+    auto& info = *list.add_styles();
+    info.set_name(styles[i].name);
+    for (const auto& alias : styles[i].aliases) info.add_aliases(alias);
+    info.set_neutral(i == 0);
+    info.set_recognized(styles[i].recognized);
+    info.set_recorded_s(styles[i].recorded_s);
+    info.set_weak(net::IsWeak(styles[i]));
+    info.set_model(styles[i].model);
+    info.set_varies(styles[i].varies);
+    const bool own = static_cast<int>(i) < roster_.config().own_styles;
+    const auto found = roster_.config().made.find(styles[i].name);
+    if (own || found == roster_.config().made.end()) continue;
+    info.set_made(true);
+    info.set_source(found->second->source);
+    info.set_nearest(found->second->nearest);
+    info.set_distance(found->second->distance);
+  }
+  for (const Cue& cue : roster_.config().cues) {
+    auto& info = *list.add_cues();
+    info.set_name(cue.name);
+    info.set_performer(cue.performer);
+    if (cue.at) info.set_at(TimecodeText(*cue.at));
+  }
+  for (const auto& preset : roster_.config().presets) {
+    auto& info = *list.add_presets();
+    info.set_name(preset.name);
+    *info.mutable_mix() = preset.look.mix();
+  }
+}
+
+void Commands::Applied(const Profile& profile, const Performer* live, v1::Reply& reply) {
+  auto& applied = *reply.add_applied();
+  applied.set_performer(profile.id);
+  applied.set_first_sequence(profile.next_sequence);
+  applied.set_absent(live == nullptr);
+  applied.set_no_strength(profile.look.strength() == 0 && !profile.look.mix().empty());
+}
+
+Status Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
+                             v1::Reply& reply) {
+  const net::Styles& styles = roster_.config().network->model().styles;
+  const auto found = Find(performer);
+  if (!found.ok()) return found.status();
+  const Targets& targets = found.value();
+  std::vector<std::pair<Profile*, v1::Look>> changed;
+  // Checks the change of one profile; pinned profiles are skipped with "*".
+  const auto add = [&](Profile& profile) {
+    if (profile.pinned) {
+      if (targets.all) return Status::Ok();
+      return Refused(v1::CODE_PINNED, profile.id + " is pinned; unpin it first");
+    }
+    v1::Look look = profile.look;
+    styled::Apply(change, look);
+    std::vector<std::string> unknown;
+    const auto error =
+        stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
+    if (error != stylist::SettingsError::kNone) {
+      return Refused(v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
+    }
+    if (const Status varies = CheckVariations(look, styles); !varies.ok()) {
+      return Refused(v1::CODE_NO_EXAMPLES, profile.id + ": " + varies.message());
+    }
+    changed.emplace_back(&profile, std::move(look));
+    return Status::Ok();
+  };
+  // All checks come before any change, so that either all targets change or none.
+  for (Profile* profile : targets.profiles) {
+    Status status = add(*profile);
+    if (status.ok()) continue;
+    if (!targets.all) roster_.DropUnused(*profile);
+    return status;
+  }
+  if (targets.all) {
+    if (Status status = add(roster_.to_come); !status.ok()) return status;
+  }
+  for (auto& [profile, look] : changed) {
+    profile->look = std::move(look);
+    profile->configured = true;
+    Performer* const live = roster_.LiveOf(*profile);
+    if (live != nullptr) (void)live->ApplyLook(roster_.config());
+    if (profile != &roster_.to_come) Applied(*profile, live, reply);
+    if (!targets.all) roster_.NoteNamed(*profile);
+  }
+  changed_ = true;
+  return Status::Ok();
+}
+
+Status Commands::FillPreset(v1::Look& change, const std::string& what) const {
+  const auto& presets = roster_.config().presets;
+  if (const config::Preset* const preset = FindPreset(change.preset(), presets)) {
+    *change.mutable_mix() = preset->look.mix();
+    return Status::Ok();
+  }
+  std::string reason =
+      what + ": no preset \"" + Printable(change.preset(), kShown) + "\"; the presets are";
+  for (const auto& known : presets) reason += " " + known.name;
+  return Refused(v1::CODE_UNKNOWN_PRESET,
+                 presets.empty() ? what + ": no presets are configured" : reason);
+}
+
+Status Commands::Change(const std::string& performer, v1::Look change, const std::string& what,
+                        v1::Reply& reply) {
+  // A complete look has an empty preset if its mix came from no preset; ignore it in a change.
+  if (what == "set" && change.preset().empty()) change.clear_preset();
+  const bool by_preset = change.has_preset();
+  const int mixes = static_cast<int>(change.clear()) + static_cast<int>(change.mix_size() > 0) +
+                    static_cast<int>(by_preset);
+  if (mixes > 1) return Malformed(what + ": expected one of mix, preset and clear");
+  if (const std::string wrong = CheckLook(change); !wrong.empty()) {
+    return Refused(v1::CODE_OUT_OF_RANGE, what + ": " + wrong);
+  }
+  if (by_preset) {
+    if (Status status = FillPreset(change, what); !status.ok()) return status;
+  }
+  const Status named = ProperNames(roster_.config().network->model().styles, change);
+  if (!named.ok()) return Refused(v1::CODE_UNKNOWN_STYLE, what + ": " + named.message());
+  Status status = ChangeLooks(performer, change, reply);
+  if (change.clear() && status.ok()) ForgetMisnamed(performer);
+  return status;
+}
+
+// Forgets a performer that was named by mistake or never arrived, so that it is not listed forever.
+void Commands::ForgetMisnamed(const std::string& id) {
+  Profile* const profile = roster_.FindProfile(id);
+  if (profile == nullptr || profile->seen || profile->pinned || profile->rest ||
+      !Equal(profile->look, roster_.to_come.look)) {
+    return;
+  }
+  profile->configured = false;
+  roster_.DropUnused(*profile);
+}
+
+Status Commands::Pin(const v1::Request& request, v1::Reply& reply) {
+  const auto targets = Find(request.performer());
+  if (!targets.ok()) return targets.status();
+  for (Profile* profile : targets.value().profiles) {
+    profile->pinned = request.pin().pinned();
+    profile->configured = true;
+    if (!targets.value().all) roster_.NoteNamed(*profile);
+    changed_ = true;
+    Applied(*profile, roster_.LiveOf(*profile), reply);
+  }
+  return Status::Ok();
+}
+
+void Commands::Panic(v1::Reply& reply) {
+  const auto clear = [&](Profile& profile) {
+    v1::Look bypass;
+    bypass.set_clear(true);
+    styled::Apply(bypass, profile.look);
+    profile.configured = true;
+    Performer* const live = roster_.LiveOf(profile);
+    if (live != nullptr) (void)live->ApplyLook(roster_.config());
+    return live;
+  };
+  for (const auto& [id, profile] : roster_.profiles) Applied(*profile, clear(*profile), reply);
+  clear(roster_.to_come);
+  changed_ = true;
+}
+
+Status Commands::FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply) {
+  v1::Request request = cue.request;
+  request.set_performer(performer);
+  v1::Reply one;
+  (void)Apply(request, one);
+  reply.mutable_applied()->MergeFrom(one.applied());
+  if (one.code() == v1::CODE_OK) return Status::Ok();
+  return Refused(one.code(), "cue " + cue.name + ": " + one.reason());
+}
+
+// All cues of the name are fired, those behind one that is refused, too.
+Status Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
+  bool found = false;
+  std::string pinned;
+  Status first = Status::Ok();
+  for (const Cue& cue : roster_.config().cues) {
+    if (cue.name != wanted.name()) continue;
+    found = true;
+    Status status = FireOne(cue, cue.performer, reply);
+    if (status.code() == int{v1::CODE_PINNED}) {
+      pinned += (pinned.empty() ? "" : ", ") + cue.performer;
+    } else if (first.ok()) {
+      first = std::move(status);
+    }
+  }
+  // A cue that changed nobody is not a success.
+  if (!pinned.empty() && first.ok() && reply.applied().empty()) {
+    return Refused(v1::CODE_PINNED,
+                   "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");
+  }
+  if (found) return first;
+  std::string reason = "no cue \"" + Printable(wanted.name(), kShown) + "\"; the cues are";
+  for (const Cue& cue : roster_.config().cues) reason += " " + cue.name;
+  return Refused(v1::CODE_UNKNOWN_CUE,
+                 roster_.config().cues.empty() ? "no cues are configured" : reason);
+}
+
+std::string Commands::FireCues(Performer& performer, const Timecode& timecode) {
+  const std::int64_t now = TimecodeLabel(timecode);
+  const auto last = std::exchange(performer.timecode, now);
+  std::string fired;
+  if (last == now) return fired;
+  for (const Cue& cue : roster_.config().cues) {
+    if (!cue.at || !Passes(*cue.at, last, now)) continue;
+    if (cue.performer != "*" && cue.performer != performer.profile.id) continue;
+    v1::Reply reply;
+    const Status status = FireOne(cue, performer.profile.id, reply);
+    fired += (fired.empty() ? "cue " : ", cue ") + cue.name;
+    if (status.code() == int{v1::CODE_PINNED}) {
+      fired += " (pinned, not changed)";
+    } else if (!status.ok()) {
+      fired += " (" + status.message() + ")";
+    }
+  }
+  return fired;
+}
+
+Status Commands::Reset(const v1::Request& request, v1::Reply& reply) {
+  if (request.performer() != "*") {
+    const Profile* known = roster_.FindProfile(request.performer());
+    if (known == nullptr || !known->seen) {
+      return Refused(
+          v1::CODE_UNKNOWN_PERFORMER,
+          "performer \"" + Printable(request.performer(), kShown) + "\" was not seen yet");
+    }
+  }
+  const auto targets = Find(request.performer());
+  if (!targets.ok()) return targets.status();
+  for (Profile* profile : targets.value().profiles) {
+    Performer* const live = roster_.LiveOf(*profile);
+    if (live != nullptr) live->Restart();
+    Applied(*profile, live, reply);
+  }
+  return Status::Ok();
+}
+
+}  // namespace styled::pipeline

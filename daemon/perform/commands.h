@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/perform/roster.h"
+#include "model/base/status.h"
+#include "proto/styled/v1/control.pb.h"
+
+namespace styled::pipeline {
+
+// Returns the request that shows a style which was just made: its Like names the performers. Empty
+// where it names nobody.
+std::optional<v1::Request> SetThatShows(const v1::Request& like);
+
+// Executes control requests (control.proto) between frames, on the pipeline thread. A request is
+// checked completely before anything changes. Allocates.
+class Commands {
+ public:
+  explicit Commands(Roster& roster) : roster_(roster) {}
+
+  // Fills the reply's code, reason and result. Returns false for GetStatus, which the pipeline
+  // answers.
+  bool Apply(const v1::Request& request, v1::Reply& reply);
+  // Does the rest of a Like after the files thread has made the style: gives it to the performers
+  // that the request names.
+  // Nothing for other requests.
+  void Show(const v1::Request& request, v1::Reply& reply);
+  // The part of RenameStyle and RemoveStyle that is the looks': of performers, live or not, and of
+  // those to come. Call before the configuration is taken over. Nothing for other requests.
+  void FollowStyles(const v1::Request& request, v1::Reply& reply);
+  // Fires the cues that the performer's timecode passed since its last frame; they take effect with
+  // the current frame. Returns a text for the log that names them; "": there was none.
+  std::string FireCues(Performer& performer, const Timecode& timecode);
+  // Whether settings changed since the last call and must be saved.
+  bool PopChanged() { return std::exchange(changed_, false); }
+  void MarkChanged() { changed_ = true; }
+
+ private:
+  // The profiles that a request names, one or all.
+  struct Targets {
+    bool all = false;
+    std::vector<Profile*> profiles;
+  };
+  // Creates a profile for an id that was not seen yet.
+  Result<Targets> Find(const std::string& performer);
+  void List(v1::Reply& reply) const;
+  // Each executes one command and adds to `applied` of the reply; an error has a code. Changes
+  // looks; `what` is the name of the command, for errors.
+  Status Change(const std::string& performer, v1::Look change, const std::string& what,
+                v1::Reply& reply);
+  void ForgetMisnamed(const std::string& id);
+  Status Pin(const v1::Request& request, v1::Reply& reply);
+  void Panic(v1::Reply& reply);
+  Status Fire(const v1::Cue& wanted, v1::Reply& reply);
+  // Executes the request of one cue, for one performer or "*".
+  Status FireOne(const Cue& cue, const std::string& performer, v1::Reply& reply);
+  Status Reset(const v1::Request& request, v1::Reply& reply);
+
+  // Copies the mix of the preset that a change names into the change.
+  Status FillPreset(v1::Look& change, const std::string& what) const;
+  // Applies a checked change to each target, all or none.
+  Status ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
+  // `live`: the profile's performer, null if there is none.
+  static void Applied(const Profile& profile, const Performer* live, v1::Reply& reply);
+
+  Roster& roster_;
+  bool changed_ = false;
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,423 @@
+#include "daemon/perform/frame_processor.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace styled::pipeline {
+
+using decide::Decision;
+using decide::FrameInTransit;
+using runtime::Counter;
+using runtime::kSecond_ns;
+
+std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
+  runtime::HotSection hot;
+  receive_ns_ = performance_.clock.Now_ns();
+  wall_ns_ = performance_.clock.Wall_ns();
+  performance_.counters.Add(Counter::kSourceReceived, batch.frames.size());
+  load_ = {};
+  const auto transit = std::span(transit_).first(batch.frames.size());
+  for (std::size_t at = 0; at < transit.size(); ++at) {
+    transit[at] = FrameInTransit();
+    transit[at].given = &batch.frames[at];
+    whose_[at] = nullptr;
+  }
+  if (Layer* const layer = performance_.layers.Of(batch.source)) {
+    ProcessLayer(*layer, batch, hot);
+    performance_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
+    return transit;
+  }
+  const std::int64_t elsewhere_ns = performance_.stages.Elsewhere_ns();
+  const std::int64_t styling_ns = performance_.stages.Spent_ns(Stages::kStyle);
+  // 1 Examine all frames, to find each performer's newest one.
+  for (std::size_t at = 0; at < transit.size(); ++at) NoteNewest(batch.source, at);
+  // 2 Process them in order and send them. Frames of different performers are styled together.
+  for (std::size_t at = 0; at < transit.size(); ++at) {
+    const source::SourceFrame& frame = batch.frames[at];
+    const bool behind = !postponed_.empty() && postponed_.Has(batch.source, frame.performer);
+    if (frame.is_body || behind) {
+      StyleAccepted(hot);
+      transit[at].decision.postponed = Postpones(batch, frame, behind);
+      if (transit[at].decision.postponed) continue;
+    }
+    if (frame.is_body) {
+      const std::int64_t begin_ns = performance_.clock.Now_ns();
+      ProcessBody(batch.source, transit[at]);
+      postponed_.Spend(performance_.clock.Now_ns() - begin_ns);
+    } else {
+      hot.Enter();
+      ProcessFrame(batch, at, hot);
+    }
+  }
+  StyleAccepted(hot);
+  // 3 Measure how long they took, and log what became of them.
+  MeasureLatencies(batch, performance_.SendBundles());
+  for (const auto& performer : performance_.roster.performers) performer->newest_in_batch = -1;
+  performance_.log.OnFrames(batch.source, transit, receive_ns_, wall_ns_);
+  load_.busy_ns = performance_.clock.Now_ns() - receive_ns_;
+  load_.styling_ns = performance_.stages.Spent_ns(Stages::kStyle) - styling_ns;
+  performance_.overload.Add(load_);
+  // kTake gets the part of the batch's time that no other stage accounts for.
+  performance_.stages.Add(Stages::kTake,
+                          load_.busy_ns - (performance_.stages.Elsewhere_ns() - elsewhere_ns));
+  return transit;
+}
+
+void FrameProcessor::ProcessLayer(Layer& layer, const Batch& batch, runtime::HotSection& hot) {
+  for (const source::SourceFrame& frame : batch.frames) {
+    if (frame.is_body) {
+      hot.Leave();
+      if (layer.fingers) AcceptLayerBody(*layer.fingers, batch.source, frame);
+      continue;
+    }
+    hot.Enter();
+    const Counter why = layer.Accept(frame, receive_ns_);
+    if (why != MergedPart::kAccepted) performance_.counters.AddOf(batch.source, why);
+  }
+  hot.Leave();
+}
+
+// A source without fingers says so once a body, not with every frame.
+void FrameProcessor::AcceptLayerBody(FingerLayer& fingers, int source,
+                                     const source::SourceFrame& body) {
+  const auto accepted = fingers.AcceptBody(body, receive_ns_);
+  if (accepted.ok()) {
+    if (accepted.value() != FingerLayer::Body::kNotNext) return;
+    return performance_.counters.AddOf(source, fingers.why());
+  }
+  performance_.counters.AddOf(source, Counter::kPipelineBodiesRefused);
+  performance_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine,
+                            performance_.roster.source_names()[static_cast<std::size_t>(source)],
+                            Event::Level::kWarning,
+                            "gives no fingers: " + accepted.status().message());
+}
+
+void FrameProcessor::NoteNewest(int source, std::size_t at) noexcept {
+  const source::SourceFrame& frame = *transit_[at].given;
+  if (frame.is_body) return;
+  Performer* const performer = performance_.roster.Find(source, frame.performer);
+  whose_[at] = performer;
+  if (performer == nullptr) return;
+  // A frame that will not be admitted must not count as newer than one that will.
+  if (!performance_.decider.IsPlausible(performer->admission, frame, receive_ns_)) return;
+  int& newest = performer->newest_in_batch;
+  if (newest >= 0) {  // a later duplicate or old frame is not newer
+    const source::SourceFrame& best = *transit_[static_cast<std::size_t>(newest)].given;
+    if (best.session == frame.session && best.sequence >= frame.sequence) return;
+  }
+  newest = static_cast<int>(at);
+}
+
+// Whether a body, or a frame `behind` one of its performer that waits, waits for a later turn. A
+// standby binds when its leader did, and on a replay's clock nothing takes time.
+bool FrameProcessor::Postpones(const Batch& batch, const source::SourceFrame& frame, bool behind) {
+  if (!frame.is_body) return postponed_.Add(batch.source, frame);
+  if (batch.keep_all || !batch.leaders.empty()) return false;
+  const Performer* const performer = performance_.roster.Find(batch.source, frame.performer);
+  const bool binds = performer == nullptr || !performer->binding().has_body() ||
+                     frame.body_crc != performer->binding().crc();
+  if (!binds) return false;
+  const bool keeps_waiting = std::ranges::any_of(
+      performance_.roster.performers, [](const auto& other) { return other->admission.live(); });
+  if (!behind && (!postponed_.spent() || !keeps_waiting)) return false;
+  return postponed_.Add(batch.source, frame);
+}
+
+int FrameProcessor::DoPostponed() {
+  postponed_.BeginTurn();
+  if (postponed_.empty()) return 0;  // nearly always; even an empty deque allocates when it is made
+  int work = 0;
+  auto waiting = postponed_.Pop();
+  for (; !waiting.empty() && !postponed_.spent(); ++work) {
+    const std::unique_ptr<Postponed::Frame> next = std::move(waiting.front());
+    waiting.pop_front();
+    (void)Process({.source = next->source, .frames = {&next->frame, 1}});
+  }
+  postponed_.PutBack(std::move(waiting));
+  return work;
+}
+
+void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::HotSection& hot) {
+  FrameInTransit& transit = transit_[at];
+  const source::SourceFrame& frame = *transit.given;
+  // A body earlier in the batch may have created the performer.
+  if (whose_[at] == nullptr) whose_[at] = performance_.roster.Find(batch.source, frame.performer);
+  if (whose_[at] == nullptr) {
+    transit.decision.reason = Counter::kPipelineBeforeBody;
+    return performance_.counters.AddOf(batch.source, transit.decision.reason);
+  }
+  Performer& performer = *whose_[at];
+  // 1 A performer's second frame ends the group that is styled together.
+  MakeWay(performer, hot);
+  // 2 Decide.
+  Decision& decision = transit.decision;
+  decision = Decide(batch, at, performer);
+  CountArrival(performer, decision);
+  FillFrame(performer, transit);
+  const bool admitted =
+      decision.reason == Decision::kNoReason || decision.fate == v1::FATE_PASSED_OVER;
+  if (admitted) performer.latency.rig.NoteFrame(frame.sequence, transit.elapsed_ns);
+  if (decision.fate == v1::FATE_PASSED_OVER) {
+    performance_.counters.AddOf(batch.source, decision.reason);
+    if (performance_.clock.Now_ns() - transit.arrival_ns > performer.latency.rig.period_ns()) {
+      ++load_.dropped;
+    }
+    return performer.history.Add(transit);  // not a refusal: the newest frame is sent
+  }
+  if (decision.reason != Decision::kNoReason) return Refuse(performer, transit);
+  // The leader refused it. The pose of a performer who waits for a calibration is only remembered.
+  if (decision.fate == v1::FATE_REFUSED && !performer.binding().waits()) return;
+  if (decision.fate == v1::FATE_STYLED && !batch.leaders.empty()) {
+    performer.profile.next_sequence = decision.sequence;
+    performer.Relieve(decision.relieved);
+  }
+  // 3 Hand the pose over.
+  if (frame.has_timecode && !performance_.roster.config().cues.empty()) {
+    PassCues(performer, frame.timecode, hot);
+  }
+  transit.face = performance_.layers.FaceOf(performer.profile.id, frame.face, receive_ns_);
+  decision.reason = performer.Accept(transit);
+  if (decision.reason != Decision::kNoReason) {
+    decision.fate = v1::FATE_REFUSED;
+    return Refuse(performer, transit);
+  }
+  decision.fate = v1::FATE_STYLED;
+  decision.relieved = performer.relieved();
+  if (decision.relieved) {
+    performer.CountRelieved();
+    performance_.counters.AddOf(batch.source, Counter::kPipelineOverloadBypassed);
+  }
+  accepted_at_[accepted_count_] = at;
+  accepted_[accepted_count_++] = &performer;
+  performer.admission.MarkLive(receive_ns_);
+  performance_.counters.Add(Counter::kPipelineFrames);
+  if (decision.late) performance_.counters.Add(Counter::kPipelineLate);
+}
+
+// Styles the group where it is full or has a frame of the performer already.
+void FrameProcessor::MakeWay(const Performer& performer, runtime::HotSection& hot) {
+  const auto group = std::span(accepted_).first(accepted_count_);
+  if (group.size() < accepted_.size() && std::ranges::find(group, &performer) == group.end()) {
+    return;
+  }
+  StyleAccepted(hot);
+  hot.Enter();
+}
+
+Decision FrameProcessor::Decide(const Batch& batch, std::size_t at, Performer& performer) noexcept {
+  const decide::Question question{.frame = *transit_[at].given,
+                                  .has_body = performer.binding().has_body(),
+                                  .body_crc = performer.binding().crc(),
+                                  .receive_ns = receive_ns_,
+                                  .now_ns = performance_.clock.Now_ns(),
+                                  .newest = performer.newest_in_batch == static_cast<int>(at),
+                                  .more_waiting = batch.more_waiting,
+                                  .keep_all = batch.keep_all,
+                                  .last_send_ns = performer.outputs.last_send_ns()};
+  if (batch.leaders.empty()) return performance_.decider.OfFrame(performer.admission, question);
+  return performance_.decider.OfFrame(performer.admission, question, batch.leaders[at].decision);
+}
+
+// What a datagram tells of those before it, whatever becomes of it.
+void FrameProcessor::CountArrival(Performer& performer, const Decision& decision) noexcept {
+  if (decision.lost > 0) {
+    performance_.counters.AddOf(performer.source, Counter::kPipelineLost, decision.lost);
+  }
+  if (decision.restart == v1::RESTART_NONE) return;
+  if (decision.restart == v1::RESTART_CLOCK_JUMP) {
+    performance_.counters.AddOf(performer.source, Counter::kPipelineClockJumps);
+  }
+  if (decision.restart == v1::RESTART_RECOUNT) {
+    performance_.counters.AddOf(performer.source, Counter::kPipelineRecounts);
+  }
+  performance_.counters.Add(Counter::kPipelineSessions);
+  performer.Restart();
+}
+
+void FrameProcessor::Refuse(Performer& performer, const FrameInTransit& transit) noexcept {
+  performance_.counters.AddOf(performer.source, transit.decision.reason);
+  performer.admission.MarkRefused(transit.decision.reason);
+  performer.history.Add(transit);
+}
+
+void FrameProcessor::FillFrame(const Performer& performer, FrameInTransit& transit) const noexcept {
+  const source::SourceFrame& frame = *transit.given;
+  transit.source_sequence = frame.sequence;
+  transit.source_time_ns = frame.source_time_ns;
+  transit.has_timecode = frame.has_timecode;
+  transit.timecode = frame.timecode;
+  transit.elapsed_ns = performer.admission.session.elapsed_ns();
+  transit.arrival_ns = ArrivalOf(frame);
+  transit.receive_ns = receive_ns_;
+  transit.wall_ns = wall_ns_ - (receive_ns_ - transit.arrival_ns);
+  transit.flags = transit.decision.late ? v1::FLAG_LATE : v1::FLAG_NONE;
+}
+
+// Most frames pass no cue and stay in the hot section.
+void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
+                              runtime::HotSection& hot) {
+  const std::int64_t now = TimecodeLabel(timecode);
+  const auto passed = [&](const Cue& cue) {
+    return cue.at && Passes(*cue.at, performer.timecode, now);
+  };
+  const auto& cues = performance_.roster.config().cues;
+  if (std::none_of(cues.begin(), cues.end(), passed)) {
+    performer.timecode = now;
+    return;
+  }
+  StyleAccepted(hot);  // the frames before the cue
+  const std::string fired = performance_.commands.FireCues(performer, timecode);
+  if (!fired.empty()) {
+    performance_.counters.Add(Counter::kPipelineCues);
+    performance_.events.LogOf(
+        LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
+        fired + " from frame " + std::to_string(performer.profile.next_sequence));
+  }
+  hot.Enter();
+}
+
+// Styles and sends the accepted frames. Leaves the hot section.
+void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
+  const auto group = std::span(accepted_).first(accepted_count_);
+  if (group.empty()) return hot.Leave();
+  accepted_count_ = 0;
+  hot.Enter();
+  const std::int64_t begin_ns = performance_.clock.Now_ns();
+  std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
+  for (std::size_t i = 0; i < group.size(); ++i) jobs[i] = group[i]->Style();
+  stylist::Stylist::ProcessTogether(std::span(jobs).first(group.size()));
+  const std::int64_t styled_ns = performance_.clock.Now_ns();
+  for (Performer* const performer : group) performer->Attach();
+  for (Performer* const performer : group) ShareProps(*performer);
+  for (Performer* const performer : group) performer->Finish(styled_ns);
+  if (!performance_.takes.empty()) {
+    for (const Performer* const performer : group) performance_.takes.OnFrame(*performer);
+  }
+  hot.Leave();
+  const std::int64_t serialized_ns = performance_.clock.Now_ns();
+  std::int64_t sent_ns = serialized_ns;
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    group[i]->Send(performance_.publisher, performance_.bundles, sent_ns);
+    sent_ns = performance_.clock.Now_ns();
+    // The performer has filled its copy of the frame; what is lent here is not in it.
+    FrameInTransit& transit = transit_[accepted_at_[i]];
+    const source::SourceFrame* const given = transit.given;
+    const bool relieved = transit.decision.relieved;
+    transit = group[i]->frame();
+    transit.given = given;
+    transit.decision.fate = v1::FATE_STYLED;
+    transit.decision.relieved = relieved;
+    transit.sent_ns = sent_ns;
+    group[i]->history.Add(transit);
+  }
+  if (logs_poses_) LogPoses(group);
+  performance_.stages.AddFrames(group.size());
+  performance_.stages.Add(Stages::kStyle, styled_ns - begin_ns);
+  performance_.stages.Add(Stages::kSerialize, serialized_ns - styled_ns);
+  performance_.stages.Add(Stages::kSend, sent_ns - serialized_ns);
+}
+
+void FrameProcessor::LogPoses(std::span<Performer* const> performers) {
+  for (std::size_t i = 0; i < performers.size(); ++i) {
+    const std::size_t at = accepted_at_[i];
+    transit_[at].styled_crc = performers[i]->StyledCrc();
+    const body::Pose* const pose = performers[i]->styled();
+    if (pose == nullptr) continue;
+    rounded_poses_[at] = log::Rounded(*pose);
+    transit_[at].rounded_pose = std::as_bytes(std::span(&rounded_poses_[at], 1));
+  }
+}
+
+// A prop of the scene that one performer holds is not in the frames of the others: it would be
+// there twice. It comes and goes where it is let go, and there it is in the same place for all.
+void FrameProcessor::ShareProps(Performer& performer) noexcept {
+  if (!performer.shares_props()) return;
+  for (const auto& other : performance_.roster.performers) {
+    const bool together = other.get() != &performer && other->source == performer.source;
+    if (together && other->admission.live()) performer.LeavePropsTo(*other);
+  }
+}
+
+// A frame has left when its last message has: with `bundled`, that of the whole batch. What a
+// standby repeats leaves nowhere.
+void FrameProcessor::MeasureLatencies(const Batch& batch, bool bundled) noexcept {
+  if (!batch.leaders.empty()) return;
+  const std::int64_t now_ns = performance_.clock.Now_ns();
+  for (std::size_t at = 0; at < batch.frames.size(); ++at) {
+    FrameInTransit& transit = transit_[at];
+    if (transit.sent_ns == 0) continue;
+    if (bundled) transit.sent_ns = now_ns;
+    // A new performer later in the batch has cleared the pointers.
+    Performer* performer = whose_[at];
+    if (performer == nullptr) {
+      performer = performance_.roster.Find(batch.source, batch.frames[at].performer);
+    }
+    if (performer == nullptr) continue;
+    ++load_.sent;
+    const std::int64_t latency_ns = transit.sent_ns - transit.arrival_ns;
+    if (bundled) performer->history.NoteSent(transit.decision.sequence, latency_ns);
+    if (!performer->latency.Add(latency_ns)) continue;
+    ++load_.late;
+    performance_.counters.AddOf(batch.source, Counter::kPipelineOverBudgetFrames);
+  }
+}
+
+void FrameProcessor::ProcessBody(int source, FrameInTransit& transit) {
+  const source::SourceFrame& body = *transit.given;
+  Performer* performer = performance_.roster.Find(source, body.performer);
+  const bool fresh = performer == nullptr;
+  if (fresh) {
+    performer = performance_.roster.Add(source, body.performer, receive_ns_);
+    // Another performer may have been replaced, and its frames may still be in this batch.
+    whose_.fill(nullptr);
+  }
+  if (performer == nullptr) {
+    transit.decision.reason = Counter::kPipelinePerformersRefused;
+    return performance_.counters.AddOf(source, transit.decision.reason);
+  }
+  if (fresh) performer->SetFingers(performance_.layers.FingersOf(performer->profile.id));
+  transit.decision = performance_.decider.OfBody(performer->admission, body, receive_ns_);
+  CountArrival(*performer, transit.decision);
+  transit.source_sequence = body.sequence;
+  transit.arrival_ns = ArrivalOf(body);
+  if (transit.decision.reason != Decision::kNoReason) return Refuse(*performer, transit);
+  AdoptBody(*performer, transit, fresh);
+}
+
+void FrameProcessor::AdoptBody(Performer& performer, FrameInTransit& transit, bool fresh) {
+  const source::SourceFrame& body = *transit.given;
+  const auto complain = [&](const std::string& why) {
+    transit.decision.reason = Counter::kPipelineBodiesRefused;
+    Refuse(performer, transit);
+    performance_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
+                              Event::Level::kWarning, why);
+  };
+  if (!performer.binding().has_body() || body.body_crc != performer.binding().crc()) {
+    if (performer.binding().has_body() && !performer.admission.MayChangeBody(receive_ns_)) {
+      return complain(
+          "the body changes again and again, expected twice a second at most: the last one stays");
+    }
+    const Status status = performer.AcceptBody(body, performance_.roster.config());
+    if (!status.ok()) {
+      complain(status.message());
+      performer.admission.session_has_body = performer.binding().waits();
+      if (fresh && !performer.binding().waits()) performance_.roster.Forget(performer);
+      return;
+    }
+    if (!fresh) performance_.counters.Add(Counter::kPipelineBodyChanges);
+    const std::string hands = performer.HandsWithoutPlace();
+    performance_.events.LogOf(LogLimit::Kind::kBodyBound, body.machine, performer.profile.id,
+                              hands.empty() ? Event::Level::kInfo : Event::Level::kWarning,
+                              hands.empty()
+                                  ? "body bound"
+                                  : "body bound; the merged fingers of the " + hands +
+                                        " hand are not shown: the body lacks the hand, or has no "
+                                        "room for more joints");
+    performer.outputs.SendBodies(performance_.publisher);
+    performer.next_body_ns = receive_ns_ + kSecond_ns;
+  }
+  performer.admission.session_has_body = true;
+  performance_.counters.Add(Counter::kPipelineBodies);
+}
+
+}  // namespace styled::pipeline

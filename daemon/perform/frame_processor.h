@@ -1,0 +1,89 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "daemon/decide/frame_in_transit.h"
+#include "daemon/log/entry.h"
+#include "daemon/perform/performance.h"
+#include "daemon/perform/postponed.h"
+#include "daemon/runtime/realtime.h"
+#include "daemon/source/source_frame.h"
+#include "daemon/source/transport.h"
+#include "model/stylist/stylist.h"
+
+namespace styled::pipeline {
+
+// Frames and bodies of one source that are handled together, at most source::kBatch.
+struct Batch {
+  int source = 0;
+  std::span<const source::SourceFrame> frames;
+  bool more_waiting = false;  // the source's socket may hold newer frames
+  bool keep_all = false;      // no frame is passed over, and no body waits for a later turn
+  // What the leader made of each: a standby does the same. Empty: the frames are decided here.
+  std::span<const decide::FrameInTransit> leaders{};
+};
+
+// Brings frames from the rig to the subscribers: each is decided (decide::Decider), styled together
+// with those of other performers, serialized and sent; bodies are bound. From a performer's second
+// frame on nothing between receive and zmq_send allocates, locks, logs or throws (tests/realtime).
+// Pipeline thread. Pinned by tests/unit/daemon/pipeline/pipeline_test.cpp and tests/golden.
+class FrameProcessor {
+ public:
+  // `logs_poses`: frames in the log carry their styled pose, for a standby to compare.
+  // `performance` must outlive it.
+  FrameProcessor(Performance& performance, bool logs_poses)
+      : performance_(performance), logs_poses_(logs_poses) {}
+
+  // Returns what became of each frame, valid until the next call. It is in the log already.
+  std::span<const decide::FrameInTransit> Process(const Batch& batch);
+  // Handles what waits for this turn, which begins here. Returns how many frames and bodies.
+  int DoPostponed();
+  void DropPostponed() { postponed_.Clear(); }
+  std::int64_t receive_ns() const { return receive_ns_; }  // of the last batch
+
+ private:
+  void ProcessLayer(Layer& layer, const Batch& batch, runtime::HotSection& hot);
+  void AcceptLayerBody(FingerLayer& fingers, int source, const source::SourceFrame& body);
+  STYLED_REALTIME void NoteNewest(int source, std::size_t at) noexcept;
+  bool Postpones(const Batch& batch, const source::SourceFrame& frame, bool behind);
+  void ProcessFrame(const Batch& batch, std::size_t at, runtime::HotSection& hot);
+  void MakeWay(const Performer& performer, runtime::HotSection& hot);
+  STYLED_REALTIME decide::Decision Decide(const Batch& batch, std::size_t at,
+                                          Performer& performer) noexcept;
+  STYLED_REALTIME void CountArrival(Performer& performer,
+                                    const decide::Decision& decision) noexcept;
+  STYLED_REALTIME void Refuse(Performer& performer, const decide::FrameInTransit& transit) noexcept;
+  STYLED_REALTIME void FillFrame(const Performer& performer,
+                                 decide::FrameInTransit& transit) const noexcept;
+  void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
+  void StyleAccepted(runtime::HotSection& hot);
+  void LogPoses(std::span<Performer* const> performers);
+  STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
+  STYLED_REALTIME void MeasureLatencies(const Batch& batch, bool bundled) noexcept;
+  void ProcessBody(int source, decide::FrameInTransit& transit);
+  void AdoptBody(Performer& performer, decide::FrameInTransit& transit, bool fresh);
+  // When the frame arrived, on the clock's Now_ns(), at the latest with its batch.
+  STYLED_REALTIME std::int64_t ArrivalOf(const source::SourceFrame& frame) const noexcept {
+    return frame.arrival_ns == 0 ? receive_ns_ : std::min(frame.arrival_ns, receive_ns_);
+  }
+
+  Performance& performance_;
+  const bool logs_poses_;
+  std::int64_t receive_ns_ = 0, wall_ns_ = 0;                   // of the current batch, or the last
+  std::array<decide::FrameInTransit, source::kBatch> transit_;  // its frames and bodies
+  std::array<Performer*, source::kBatch> whose_{};              // null: unknown yet, or a body
+  std::array<log::RoundedPose, source::kBatch> rounded_poses_;  // with logs_poses_
+  // Frames that will be styled together, each of another performer, and their places in the batch.
+  std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
+  std::array<std::size_t, stylist::Stylist::kTogether> accepted_at_{};
+  std::size_t accepted_count_ = 0;
+  decide::Overload::Batch load_;  // of the current batch
+  Postponed postponed_;
+};
+
+}  // namespace styled::pipeline

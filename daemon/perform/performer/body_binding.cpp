@@ -1,0 +1,173 @@
+#include "daemon/perform/performer/body_binding.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "model/base/text.h"
+
+namespace styled::pipeline {
+namespace {
+
+using rig::Quat;
+using rig::Vec3;
+
+Status Count(const std::string& field, int found, int expected) {
+  if (found == expected) return Status::Ok();
+  return Status::Error("body: " + field + ": found " + std::to_string(found) +
+                       " values, expected " + std::to_string(expected));
+}
+
+Status FillSkeleton(const v1::Body& body, rig::Skeleton& skeleton) {
+  const int joints = body.names_size();
+  if (joints < 1 || joints > rig::kMaxSourceJoints) {
+    return Status::Error("body: found " + std::to_string(joints) + " joints, expected 1 to " +
+                         std::to_string(rig::kMaxSourceJoints));
+  }
+  Status status = Count("parents", body.parents_size(), joints);
+  if (status.ok()) status = Count("offsets", body.offsets_size(), 3 * joints);
+  if (status.ok() && body.rest_size() > 0) status = Count("rest", body.rest_size(), 4 * joints);
+  if (!status.ok()) return status;
+  if (!std::isfinite(body.metres_per_unit()) || body.metres_per_unit() < 0) {
+    return Status::Error("body: metres_per_unit: found " + NumberText(body.metres_per_unit()) +
+                         ", expected a length in metres, or 0 where it is unknown");
+  }
+  std::set<std::string> names;
+  for (int j = 0; j < joints; ++j) {
+    const auto refuse = [j](const std::string& what) {
+      return Status::Error("body: joint " + std::to_string(j) + ": " + what);
+    };
+    const std::string& name = body.names(j);
+    if (name.empty() || name.size() > 128) return refuse("name is empty or too long");
+    if (!names.insert(name).second) return refuse("name \"" + name + "\" is used twice");
+    const int parent = body.parents(j);
+    if (j == 0 ? parent != -1 : parent < 0 || parent >= j) {
+      return refuse("parent " + std::to_string(parent) +
+                    (j == 0 ? ", expected -1" : ", expected an earlier joint"));
+    }
+    const Vec3 offset(body.offsets(3 * j), body.offsets(3 * j + 1), body.offsets(3 * j + 2));
+    if (!offset.allFinite()) return refuse("offset is not finite");
+    skeleton.names.push_back(name);
+    skeleton.parents.push_back(parent);
+    skeleton.offsets.push_back(offset);
+  }
+  return Status::Ok();
+}
+
+// The signed source axis nearest to a direction.
+Vec3 NearestAxis(const Vec3& direction) {
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  Vec3 nearest = Vec3::Zero();
+  nearest[axis] = direction[axis] < 0 ? -1.0F : 1.0F;
+  return nearest;
+}
+
+// Positions of the joints in the T-pose of the rests, in source axes.
+std::vector<Vec3> RestPositions(const rig::BindingSpec& spec) {
+  std::vector<Vec3> positions(spec.skeleton.offsets);
+  for (std::size_t j = 1; j < positions.size(); ++j) {
+    const auto parent = static_cast<std::size_t>(spec.skeleton.parents[j]);
+    positions[j] = positions[parent] + spec.rest_rotations[parent] * spec.skeleton.offsets[j];
+  }
+  return positions;
+}
+
+// Finds which source axes are left, up and forward in the T-pose of the rests.
+Status FindAxes(rig::BindingSpec& spec) {
+  const std::vector<Vec3> positions = RestPositions(spec);
+  for (const int needed : {body::kLeftUpperArm, body::kRightUpperArm, body::kHead, body::kHips}) {
+    if (spec.source_joint[static_cast<std::size_t>(needed)] < 0) {
+      return Status::Error("body: no joint is the " +
+                           std::string(body::kHumanoid[static_cast<std::size_t>(needed)].name));
+    }
+  }
+  const auto at = [&](body::Joint joint) {
+    return positions[static_cast<std::size_t>(spec.source_joint[joint])];
+  };
+  const Vec3 left = NearestAxis(at(body::kLeftUpperArm) - at(body::kRightUpperArm));
+  const Vec3 up = NearestAxis(at(body::kHead) - at(body::kHips));
+  if (left.dot(up) != 0) return Status::Error("body: rest: does not make a T-pose");
+  Eigen::Matrix3f axes;
+  // The rows are the canonical axes in source coordinates, so the matrix maps source to canonical.
+  // left x up is forward, which makes it a rotation.
+  axes.row(0) = left;
+  axes.row(1) = up;
+  axes.row(2) = left.cross(up);
+  spec.canonical_from_source = Quat(axes).normalized();
+  return Status::Ok();
+}
+
+Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton,
+                                 const rig::JointNames& given) {
+  rig::BindingSpec spec;
+  const auto map = rig::MapJoints(skeleton, given);
+  if (!map.ok()) return map.status();
+  spec.source_joint = map.value();
+  spec.skeleton = std::move(skeleton);
+  for (int j = 0; j < body.names_size(); ++j) {
+    spec.rest_rotations.emplace_back(body.rest(4 * j + 3), body.rest(4 * j), body.rest(4 * j + 1),
+                                     body.rest(4 * j + 2));
+    if (!(std::abs(spec.rest_rotations.back().norm() - 1.0F) < 1e-3F)) {
+      return Status::Error("body: joint " + std::to_string(j) + ": rest is not of unit length");
+    }
+  }
+  const Status status = FindAxes(spec);
+  if (!status.ok()) return status;
+  return rig::Binding::Make(std::move(spec));
+}
+
+bool ToesPointBackwards(const rig::BindingSpec& spec) {
+  const auto positions = RestPositions(spec);
+  Vec3 ahead = Vec3::Zero();
+  for (const auto& [foot, toes] : {std::pair{body::kLeftFoot, body::kLeftToes},
+                                   std::pair{body::kRightFoot, body::kRightToes}}) {
+    const int from = spec.source_joint[static_cast<std::size_t>(foot)];
+    const int to = spec.source_joint[static_cast<std::size_t>(toes)];
+    if (from < 0 || to < 0) continue;
+    const Vec3 along = spec.canonical_from_source * (positions[static_cast<std::size_t>(to)] -
+                                                     positions[static_cast<std::size_t>(from)]);
+    ahead += Vec3(along.x(), 0, along.z());
+  }
+  return ahead.z() < 0 && -ahead.z() > std::abs(ahead.x());
+}
+
+}  // namespace
+
+Result<rig::Skeleton> ReadSkeleton(const v1::Body& body) {
+  rig::Skeleton skeleton;
+  const Status status = FillSkeleton(body, skeleton);
+  if (!status.ok()) return status;
+  return skeleton;
+}
+
+Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& calibrated,
+                           const rig::JointNames& given) {
+  auto skeleton = ReadSkeleton(body);
+  if (!skeleton.ok()) return skeleton.status();
+  const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
+  BoundBody bound{nullptr, "given"};
+  const auto bind = [&]() -> Result<rig::Binding> {
+    if (calibrated && calibrated->skeleton == SkeletonHash(skeleton.value())) {
+      bound.dialect = "calibrated";
+      bound.left_handed = calibrated->left_handed;
+      const auto map = rig::MapJoints(skeleton.value(), given);
+      if (!map.ok()) return map.status();
+      rig::BindingSpec spec{std::move(skeleton.value()), map.value(), calibrated->rotations,
+                            calibrated->canonical_from_source};
+      for (Vec3& offset : spec.skeleton.offsets) {
+        if (bound.left_handed) offset = rig::Mirrored(offset);
+      }
+      return rig::Binding::Make(std::move(spec));
+    }
+    if (body.rest_size() > 0) return BindByRests(body, std::move(skeleton.value()), given);
+    return rig::BindDialect(skeleton.value(), dialect, &bound.dialect, given);
+  };
+  auto binding = bind();
+  if (!binding.ok()) return binding.status();
+  bound.toes_backwards = ToesPointBackwards(binding.value().spec());
+  bound.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
+  return bound;
+}
+
+}  // namespace styled::pipeline

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/perform/performer/body_binding.h"
+#include "daemon/source/props.h"
+#include "model/base/realtime.h"
+#include "model/rig/grip.h"
+#include "model/stylist/stylist.h"
+
+namespace styled::pipeline {
+
+// Field 20 of v1::Frame, ready to be sent.
+class EncodedProps {
+ public:
+  STYLED_REALTIME void Set(const source::PropList& props) noexcept {
+    size_ = source::EncodeProps(props.all(), bytes_);
+  }
+  STYLED_REALTIME void Clear() noexcept { size_ = 0; }
+  std::span<const std::byte> bytes() const noexcept { return std::span(bytes_).first(size_); }
+
+ private:
+  std::array<std::byte, kMaxPropBytes> bytes_;
+  std::size_t size_ = 0;
+};
+
+// The props of one performer's last frame, which hand holds each, and where each output has them.
+// Made for a body; pipeline thread; only the constructor allocates. Pinned by
+// tests/unit/daemon/props_test.cpp.
+class CarriedProps {
+ public:
+  // `hands`: the hand that holds a prop, by its name; those that are not in it are held by the hand
+  // near them.
+  CarriedProps(const BoundBody& body, const config::PropHands& hands);
+
+  // Takes over a frame's props and returns how many were left out (source::ReadProps).
+  STYLED_REALTIME std::size_t Accept(std::span<const std::byte> encoded,
+                                     bool of_the_scene) noexcept;
+  // Call after Take where the pose is filtered afterwards, with the pose as received: what a hand
+  // holds follows the filtered hand.
+  STYLED_REALTIME void AcceptUnfiltered(const rig::RigPose& received) noexcept;
+  // Finds who holds what; call after the stylist, with `out` in the binding's axes.
+  STYLED_REALTIME void Attach(const stylist::Output& out) noexcept;
+  // Leaves out what `other`, a performer of the same scene, holds and this one does not.
+  STYLED_REALTIME void LeaveTo(const CarriedProps& other) noexcept;
+
+  bool empty() const noexcept { return frame_.count == 0; }
+  bool of_the_scene() const noexcept { return of_the_scene_; }
+
+  // Call after Attach, with the same `out`. The rig's own skeleton: as captured, and styled. In a
+  // bypass frame, and where no hand holds them, bit for bit as they came.
+  STYLED_REALTIME void OnSource(const stylist::Output& out, EncodedProps& to) const noexcept;
+  STYLED_REALTIME void OnRig(const stylist::Output& out, EncodedProps& to) const noexcept;
+  // The canonical humanoid: its metres and axes.
+  STYLED_REALTIME void OnCanonical(const stylist::Output& out, EncodedProps& to) const noexcept;
+  // Another skeleton with these wrists. `convert(placed, prop)` writes a canonical pose in that
+  // skeleton's units and axes into `prop`.
+  template <typename Convert>
+  STYLED_REALTIME void OnWrists(const rig::WristPair& wrists, EncodedProps& to,
+                                Convert convert) const noexcept {
+    source::PropList list;
+    for (std::size_t i = 0; i < frame_.count; ++i) {
+      if (carried_[i].elsewhere) continue;
+      source::Prop prop = frame_.props[i];
+      convert(rig::Carry(carried_[i].captured, carried_[i].grip, from_, wrists), prop);
+      list.Add(prop);
+    }
+    to.Set(list);
+  }
+
+ private:
+  struct Carried {
+    rig::Placed captured;
+    rig::Grip grip;
+    bool elsewhere = false;  // in the hand of another performer
+  };
+  STYLED_REALTIME void OnOwn(const rig::Vec3& root, std::span<const rig::Quat> rotations,
+                             bool as_it_came, bool all, EncodedProps& to) const noexcept;
+  bool HandsMoveNot(const stylist::Output& out) const noexcept;
+
+  std::shared_ptr<const rig::Binding> binding_;
+  bool left_handed_;
+  const config::PropHands hands_;
+  rig::Wrists wrists_;
+  std::vector<std::byte> bytes_;  // what frame_'s names view
+  source::PropList frame_;        // as they came
+  bool of_the_scene_ = false;
+  std::array<Carried, kMaxProps> carried_;
+  rig::WristPair from_;       // of the pose that the props were captured with
+  rig::RigPose unfiltered_;   // that pose, where it is not the stylist's input
+  bool is_filtered_ = false;  // unfiltered_ is of this frame
+};
+
+}  // namespace styled::pipeline

@@ -1,0 +1,311 @@
+#include "daemon/perform/performer/performer.h"
+
+#include <bit>
+#include <span>
+#include <utility>
+
+#include "daemon/looks/refusal.h"
+#include "model/base/crc32c.h"
+#include "model/base/text.h"
+
+namespace styled::pipeline {
+
+static_assert(decide::kLimbs == stylist::kLimbCount);
+static_assert(int{v1::FAILURE_RIG} == static_cast<int>(stylist::Failure::kRig));
+
+namespace {
+
+runtime::Counter CounterOf(v1::Failure failure) noexcept {
+  switch (failure) {
+    case v1::FAILURE_CANONICAL:
+      return runtime::Counter::kStylistFailedCanonical;
+    case v1::FAILURE_RIG:
+      return runtime::Counter::kStylistFailedRig;
+    case v1::FAILURE_AVATAR:
+      return runtime::Counter::kStylistFailedAvatar;
+    default:
+      return runtime::Counter::kStylistFailedPrediction;
+  }
+}
+
+}  // namespace
+
+Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
+                     std::uint64_t epoch, std::int64_t now_ns,
+                     publish::Subscriptions& subscriptions, runtime::Counters& counters)
+    : profile(the_profile),
+      source(the_source),
+      name(std::move(the_name)),
+      added_ns(now_ns),
+      outputs(profile.id, epoch, subscriptions, counters),
+      counters_(counters) {
+  face_.reserve(kMaxFace);
+}
+
+const rig::JointNames& Performer::Names(const RuntimeConfig& config) const {
+  static const rig::JointNames kNone;
+  const auto index = static_cast<std::size_t>(source);
+  return index < config.joints.size() ? config.joints[index] : kNone;
+}
+
+void Performer::SetFingers(std::vector<FingerLayer*> layers) {
+  finger_layers_ = std::move(layers);
+  binding_.WantFingers(JointsOf(finger_layers_));
+}
+
+Status Performer::AcceptBody(const source::SourceFrame& body, const RuntimeConfig& config) {
+  KeepNeutral();
+  Status status = binding_.Accept(body, profile, Names(config));
+  if (status.ok()) UseBinding(config);
+  return status;
+}
+
+Result<v1::CalibrateReply> Performer::Calibrate(const v1::Calibrate& request,
+                                                const RuntimeConfig& config, std::int64_t now_ns) {
+  KeepNeutral();
+  auto calibrated = binding_.Calibrate(request, profile, Names(config), now_ns);
+  if (calibrated.ok()) UseBinding(config);
+  return calibrated;
+}
+
+Status Performer::CalibrateNeutral(const v1::Calibrate& request) {
+  constexpr float kUsual_s = 5, kLongest_s = 60;
+  if (request.clear()) {
+    profile.neutral.reset();
+    if (styling_) styling_->stylist().ForgetNeutral();
+    return Status::Ok();
+  }
+  const float seconds = request.seconds() == 0 ? kUsual_s : request.seconds();
+  if (!(seconds >= 1 && seconds <= kLongest_s)) {
+    return Refused(v1::CODE_OUT_OF_RANGE, "calibrate: seconds: found " +
+                                              NumberText(request.seconds()) + ", expected 1 to " +
+                                              NumberText(kLongest_s));
+  }
+  if (!styling_ || !admission.live()) {
+    return Refused(v1::CODE_NOT_READY,
+                   profile.id + ": expected a performer whose frames come and are bound");
+  }
+  if (!styling_->stylist().has_neutral()) {
+    return Refused(v1::CODE_NOT_READY,
+                   "calibrate: these weights do not know how their performers stand and walk, or "
+                   "[model] neutral is false; expected weights of version 3");
+  }
+  styling_->stylist().CalibrateNeutral(seconds);
+  calibrates_neutral_ = true;
+  return Status::Ok();
+}
+
+std::optional<KeptNeutral> Performer::TellNeutral() const {
+  if (!styling_ || !styling_->stylist().has_neutral()) return profile.neutral;
+  // What was kept for another body stays until there is something to keep for this one.
+  if (styling_->stylist().neutral().body_s() == 0) return profile.neutral;
+  return KeptNeutral{BindingHash(*binding_.body().binding), styling_->stylist().Tell()};
+}
+
+void Performer::KeepNeutral() { profile.neutral = TellNeutral(); }
+
+bool Performer::PopNeutralCalibrated() noexcept {
+  if (!calibrates_neutral_ || !styling_ || styling_->stylist().neutral().calibrates_s() > 0) {
+    return false;
+  }
+  calibrates_neutral_ = false;
+  return true;
+}
+
+void Performer::UseBinding(const RuntimeConfig& config) {
+  styling_.emplace(binding_.body(), config, counters_);
+  if (profile.neutral && profile.neutral->binding == BindingHash(*binding_.body().binding)) {
+    styling_->stylist().Know(profile.neutral->known);
+  }
+  outputs.Bind(binding_.body(), binding_.given(), config);
+  const auto index = static_cast<std::size_t>(source);
+  const auto& skeleton = binding_.body().binding->skeleton();
+  static const config::PropHands kAuto;
+  props_.emplace(binding_.body(), index < config.props.size() ? config.props[index] : kAuto);
+  smoothing_ = PoseSmoothing(
+      index < config.smoothing.size() ? config.smoothing[index] : config::Smoothing(),
+      static_cast<std::size_t>(skeleton.joint_count()), binding_.given().metres_per_unit());
+  fingers_ = Fingers(finger_layers_, *binding_.body().binding);
+  (void)ApplyLook(config);
+  styling_->Relieve(relieved_);
+}
+
+void Performer::Relieve(bool relieved) noexcept {
+  relieved_ = relieved;
+  if (styling_) styling_->Relieve(relieved);
+}
+
+std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
+  unknown_styles_.clear();
+  if (styling_) {
+    unknown_styles_ = styling_->ApplyLook(profile, config);
+  } else {
+    (void)Resolve(profile.look, config.network->model().styles, unknown_styles_);
+  }
+  return unknown_styles_;
+}
+
+void Performer::Rebuild(const RuntimeConfig& config) {
+  if (!styling_) return;
+  styling_->Rebuild(binding_.body(), config);
+  outputs.Bind(binding_.body(), binding_.given(), config);
+}
+
+void Performer::Adopt(const RuntimeConfig& config) {
+  if (!styling_) return;
+  styling_->Adopt(config);
+  outputs.Adopt(config);
+}
+
+void Performer::Restart() noexcept {
+  if (styling_) styling_->Restart();
+  smoothing_.Reset();
+  facing_.Reset();
+}
+
+void Performer::Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
+  admission.Carry(c, now_ns);
+  bool has_timecode = timecode.has_value();
+  std::int64_t label = timecode.value_or(0);
+  c(has_timecode);
+  c.Time(label);
+  if (c.reads()) timecode = has_timecode ? std::optional(label) : std::nullopt;
+  c(smoothing_, fingers_, *styling_, outputs, facing_, backwards_, backwards_logged_);
+  c.Time(faced_ns_);
+}
+
+runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexcept {
+  const source::SourceFrame& frame = *transit.given;
+  if (!binding_.Receive(frame, transit.receive_ns)) return runtime::Counter::kPipelineWrongSize;
+  if (!styling_) return runtime::Counter::kPipelineUncalibrated;
+  if (const std::size_t left_out = props_->Accept(frame.props, frame.scene_props); left_out > 0) {
+    counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
+  }
+  if (smoothing_.active()) props_->AcceptUnfiltered(binding_.received());
+  smoothing_.Apply(binding_.received(), transit.elapsed_ns);
+  styling_->SetInput(binding_.received());
+  fingers_.Apply(transit.elapsed_ns, styling_->in());
+  face_.assign(transit.face.begin(), transit.face.end());
+  frame_ = transit;
+  frame_.given = nullptr;
+  frame_.face = {};
+  return decide::Decision::kNoReason;
+}
+
+stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(frame_.elapsed_ns); }
+
+void Performer::LeavePropsTo(const Performer& other) noexcept {
+  if (other.shares_props()) props_->LeaveTo(*other.props_);
+}
+
+void Performer::Finish(std::int64_t publish_ns) noexcept {
+  frame_.publish_ns = publish_ns;
+  // Retargeting needs canonical axes, so it comes before the poses are transformed to the rig's
+  // axes.
+  const bool failed = outputs.Retarget(frame_.elapsed_ns, styling_->out(), *props_);
+  styling_->Finish(failed ? stylist::kFailed : 0U);
+  WatchFacing();
+  const stylist::Output& out = styling_->out();
+  frame_.flags |= out.flags;
+  frame_.failure = failed ? v1::FAILURE_AVATAR : static_cast<v1::Failure>(out.failure);
+  if (frame_.failure != v1::FAILURE_NONE) counters_.Add(CounterOf(frame_.failure));
+  frame_.held_joints = static_cast<int>(out.held.count());
+  frame_.first_held_joint = static_cast<int>(out.held._Find_first());
+  frame_.limb_weights = out.limb_weights;
+  frame_.limb_errors_m = out.limb_errors_m;
+  Serialize();
+  repeats_ = false;
+}
+
+void Performer::WatchFacing() noexcept {
+  const std::int64_t step_ns = frame_.elapsed_ns - std::exchange(faced_ns_, frame_.elapsed_ns);
+  facing_.Sample(styling_->out().canonical_input, static_cast<double>(step_ns) * 1e-9);
+  backwards_ = binding_.body().toes_backwards || facing_.backwards();
+  if (!backwards_) return;
+  frame_.flags |= v1::FLAG_BACKWARDS;
+  counters_.Add(runtime::Counter::kPipelineBackwards);
+}
+
+void Performer::Prewarm() noexcept {
+  if (styling_ && !relieved_) styling_->Prewarm();
+}
+
+std::uint32_t Performer::StyledCrc() const noexcept {
+  const body::Pose* const pose = styled();
+  if (pose == nullptr) return 0;
+  const std::uint32_t hips = Crc32c(std::as_bytes(std::span(pose->hips_position_m.data(), 3)));
+  return Crc32c(std::as_bytes(std::span(pose->rotations))) ^ std::rotl(hips, 1);
+}
+
+bool Performer::Repeat(const decide::FrameInTransit& now) noexcept {
+  if (!styling_ || !styling_->has_output()) return false;
+  const std::uint32_t once = v1::FLAG_CONCEALED | v1::FLAG_NEW_SESSION;
+  const std::uint32_t backwards = backwards_ ? v1::FLAG_BACKWARDS : v1::FLAG_NONE;
+  frame_.flags = (styling_->out().flags & ~once) | backwards | v1::FLAG_STALE;
+  frame_.arrival_ns = now.arrival_ns;
+  frame_.receive_ns = now.receive_ns;
+  frame_.publish_ns = now.publish_ns;
+  frame_.wall_ns = now.wall_ns;
+  Serialize();
+  repeats_ = true;
+  return true;
+}
+
+void Performer::Serialize() noexcept {
+  frame_.decision.sequence = profile.next_sequence++;
+  frame_.contacts = styling_->out().contacts;
+  outputs.Serialize(frame_, *styling_, face_);
+}
+
+void Performer::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,
+                     std::int64_t now_ns) {
+  outputs.Send(publisher, bundles, now_ns, repeats_);
+}
+
+std::string Performer::Warning() const {
+  if (binding_.waits()) {
+    return "the rig's rest pose is unknown: let the performer stand in T-pose, and stylectl "
+           "calibrate " +
+           profile.id + " --pose t";
+  }
+  if (binding_.bound() && binding_.body().toes_backwards) {
+    return "the toes point backwards: left and right are exchanged, or the axes are mirrored; "
+           "correct it in the rig, or by stylectl calibrate " +
+           profile.id + " --pose t";
+  }
+  if (backwards_) {
+    return "walks against where the toes point; if that is not meant, left and right are "
+           "exchanged, or the axes are mirrored: correct it in the rig, or by stylectl calibrate " +
+           profile.id + " --pose t";
+  }
+  return "";
+}
+
+bool Performer::FacingChanged() noexcept {
+  return std::exchange(backwards_logged_, backwards_) != backwards_;
+}
+
+void Performer::Sample(std::int64_t now_ns) {
+  admission.Sample(outputs.Sample());
+  latency.Sample(admission.live(), now_ns);
+  if (styling_) styling_->Sample();
+}
+
+void Performer::Describe(v1::PerformerStats& stats) const {
+  admission.Describe(stats);
+  stats.set_published(outputs.published());
+  latency.Describe(stats);
+  stats.set_overload_bypass(relieved_);
+  stats.set_overload_bypassed(relieved_frames_);
+  stats.set_warning(Warning());
+  if (stats.warning().empty() && !unknown_styles_.empty()) {
+    stats.set_warning("no style \"" + unknown_styles_.front() +
+                      "\" is here any more, and it has no effect: choose another");
+  }
+  if (styling_) styling_->Describe(stats);
+  if (!binding_.bound()) return;
+  stats.set_joints(static_cast<std::uint32_t>(binding_.body().binding->skeleton().joint_count()));
+  stats.set_dialect(binding_.body().dialect);
+}
+
+}  // namespace styled::pipeline

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "daemon/perform/performance.h"
+#include "daemon/pipeline/dependencies.h"
+#include "daemon/pipeline/stats.h"
+#include "daemon/runtime/wall_offset.h"
+#include "proto/styled/v1/journal.pb.h"
+
+namespace styled::pipeline {
+
+// The pipeline's work that time alone causes: silence, bodies that are sent again, statistics, log
+// lines. Pipeline thread; allocates where something is due.
+class Timers {
+ public:
+  // All must outlive it.
+  Timers(const Dependencies& dependencies, Performance& performance, Stats& stats)
+      : dependencies_(dependencies), performance_(performance), stats_(stats) {}
+
+  // Does what is due. `drained`: no source has frames that wait. `batch_ns`: when the last batch
+  // was read. Returns how much was done.
+  int DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns);
+  // When DoWork is due again, at the latest.
+  std::int64_t NextDeadline_ns(std::int64_t batch_ns) const;
+  // Whether a frame is about to arrive.
+  bool Expects(std::int64_t now_ns) const;
+
+ private:
+  // What of a performer is due.
+  int DoPerformer(Performer& performer, std::int64_t now_ns, bool drained);
+  std::int64_t Prepare_ns(const Performer& performer, std::int64_t batch_ns) const;
+  void Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns);
+  void LogFacing(Performer& performer);
+  int LogLayers(std::int64_t now_ns);
+  void LogCalibrated();
+  void CheckWallClock();
+
+  const Dependencies dependencies_;
+  Performance& performance_;
+  Stats& stats_;
+  v1::Silence silence_;  // of this turn
+  runtime::WallWatch wall_watch_;
+};
+
+}  // namespace styled::pipeline

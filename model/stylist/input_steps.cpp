@@ -1,0 +1,89 @@
+// Step 1 of the stylist: a frame's time, its pose on the canonical humanoid, the way over the
+// floor, and what of it the network sees.
+#include <algorithm>
+
+#include "model/stylist/stylist_impl.h"
+#include "model/stylist/tuning.h"
+
+namespace styled::stylist {
+
+void Stylist::Impl::Bind(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept {
+  dt_s = started ? static_cast<double>(time_ns - last_ns) * 1e-9 : 0.0;
+  last_ns = time_ns;
+  out.flags = 0;
+  input_guard.HoldBadJoints(in, out.source, out.held);
+  CheckTiming(time_ns, out);
+  binding->Bind(input_guard.clean(), out.canonical_input);
+  mixer.Advance(dt_s);
+  if (rests && Bypassed()) predictor.Skip();
+  UpdateTravel(out);
+  TakeOutNeutral(out.canonical_input);
+}
+
+// Handles jumps, gaps and changes of rate; sets kConcealed.
+void Stylist::Impl::CheckTiming(std::int64_t time_ns, Output& out) noexcept {
+  const InputGuard::Jump jump = input_guard.JudgeJump(dt_s, binding->scale(), options, out.source);
+  if (jump == InputGuard::Jump::kHeld) {
+    out.held.set(0);
+  } else if (jump == InputGuard::Jump::kAccepted) {
+    Restart();
+    stride.Reset();
+    feet.Reset();
+    rig_feet.Reset();
+    fresh_session = true;
+  }
+  // A hole longer than gap_reset_s is never bridged, even if every hole is as long: a sender whose
+  // clock steps by minutes would have every tick between run in one frame.
+  const double usual_s = predictor.frame_period_s();
+  if (started && dt_s > options.gap_reset_s) {
+    // A slow rig's frames are all that far apart: only a hole longer than the last one conceals
+    // frames.
+    if (last_gap_s == 0 || dt_s > tuning::kGapFactor * last_gap_s) out.flags |= kConcealed;
+    last_gap_s = dt_s;
+    RestartAfterGap();
+  } else if (started) {
+    last_gap_s = 0;
+    if (usual_s > 0 && dt_s > tuning::kGapFactor * usual_s) out.flags |= kConcealed;
+  }
+  if (!predictor.Begin(time_ns)) {
+    RestartAfterGap();
+    (void)predictor.Begin(time_ns);
+  }
+}
+
+// Restarts the recurrent states and the filter; cross-fades from the style delta applied so far.
+void Stylist::Impl::Restart() noexcept {
+  predictor.Restart();
+  filter.Restart(started);
+}
+
+void Stylist::Impl::RestartAfterGap() noexcept {
+  predictor.Restart();
+  filter.RestartAfterGap(started, dt_s, options);
+}
+
+// The way over the floor is scaled as far as the style is shown, and only where legs show it.
+void Stylist::Impl::UpdateTravel(Output& out) noexcept {
+  const float shown =
+      domain.weight() * std::min(Shown(body::Part::kLeftLeg), Shown(body::Part::kRightLeg));
+  const net::Styles& styles = predictor.network()->model().styles;
+  stride.Follow(out.canonical_input.hips_position_m, dt_s, options.gap_reset_s,
+                filter.delay_s() / 2, [&](float speed_mps) {
+                  return shown * ChangeOfGait(styles, mixer, options.own_cadence, speed_mps);
+                });
+  out.travel = stride.travel();
+  out.cadence = stride.cadence();
+}
+
+// What a performer does in another style tells nothing of their neutral.
+void Stylist::Impl::TakeOutNeutral(const body::Pose& input) noexcept {
+  const neutral::Reference* const reference = Reference();
+  if (reference == nullptr) {
+    seen = input;
+    return;
+  }
+  neutral.Follow(input, static_cast<float>(dt_s), mixer.input_style() == 0, *reference);
+  neutral.TakeOut(input, seen);
+}
+
+}  // namespace styled::stylist

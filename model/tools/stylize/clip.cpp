@@ -1,0 +1,239 @@
+// The arguments of stylize for networks that know a space of styles: styles from examples,
+// variations and mixes of both.
+#include "model/clip/clip.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "model/base/text.h"
+#include "model/clip/bind_clip.h"
+#include "model/net/load.h"
+#include "model/tools/stylize/stylize.h"
+
+namespace styled::stylize {
+namespace {
+
+// Parses "CLIP=A" or "CLIP". A file that exists may have an equals sign in its name.
+Result<Example> ParseExample(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || std::filesystem::exists(text)) return Example{text, {}, {}};
+  const auto weight = ParseWeight(text.substr(equals + 1), "--like", text);
+  if (!weight.ok()) return weight.status();
+  return Example{text.substr(0, equals), weight.value(), {}};
+}
+
+// The number of poses of a clip at the network's rate.
+std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
+  const double duration_s = static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
+  return static_cast<std::size_t>(duration_s * static_cast<double>(rate_hz) + 1e-6) + 1;
+}
+
+Result<Example> ReadExample(const std::string& text, const std::string& rig,
+                            const net::Model& model, const net::StyleSpace& space) {
+  auto example = ParseExample(text);
+  if (!example.ok()) return example;
+  const auto error = [](const std::string& what) { return Status::Error("--like: " + what); };
+  const std::string& file = example.value().file;
+  const auto clip = clip::ReadBvh(file);
+  if (!clip.ok()) return error(clip.status().message());
+  const auto bound = clip::BindClip(clip.value(), rig);
+  if (!bound.ok()) return error(file + ": " + bound.status().message());
+  const Status length = CheckLength(clip.value(), file, model, space);
+  if (!length.ok()) return error(length.message());
+  example.value().poses =
+      clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value().binding),
+                          clip.value().rate_hz, static_cast<double>(model.rate_hz));
+  return example;
+}
+
+// Reports how near an example is to the training data.
+void PrintNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
+  constexpr float kFar = 1;  // the mean distance between styles
+  net::StyleRequest alone;
+  alone.sources.push_back({-1, {}, example.poses, 1});
+  const net::NearestStyle nearest = space.Nearest(space.MakeCode(alone));
+  const auto& style = styles[static_cast<std::size_t>(nearest.style)];
+  std::fprintf(stderr, "stylize: %s: nearest to %s, at %s of the mean distance between styles%s\n",
+               example.file.c_str(), style.name.c_str(), NumberText(nearest.distance, 2).c_str(),
+               nearest.distance > kFar ? ": unlike all styles that these weights know" : "");
+}
+
+// The recipe of the style, with the given weight, if any.
+struct Ingredient {
+  net::StyleSource source;
+  std::optional<float> weight;
+};
+
+// The named styles of the arguments, each once.
+Status AddNamed(const Arguments& arguments, const net::Styles& styles,
+                std::vector<Ingredient>& ingredients) {
+  std::vector<std::pair<const char*, std::string>> named;
+  if (!arguments.style.empty()) named.emplace_back("--style", arguments.style);
+  for (const std::string& one : arguments.mix) named.emplace_back("--mix", one);
+  if (named.size() > net::kMaxMix) {
+    return Status::Error("--mix: more than " + std::to_string(net::kMaxMix) + " styles");
+  }
+  if (named.empty() && arguments.vary) {
+    return Status::Error(
+        "--vary: expected --style or --mix, found none: a variation is of a style");
+  }
+  std::set<int> known;
+  for (const auto& [option, text] : named) {
+    const auto found = FindWeighted(styles, text, option);
+    if (!found.ok()) return found.status();
+    const auto [style, weight] = found.value();
+    if (!known.insert(style).second) {
+      return Status::Error(Explain(stylist::SettingsError::kDuplicateStyle));
+    }
+    ingredients.push_back({{style, arguments.vary, {}, 1}, weight});
+  }
+  return Status::Ok();
+}
+
+// Ingredients without a weight share the rest of 1 equally.
+Status ShareRest(const Arguments& arguments, std::vector<Ingredient>& ingredients) {
+  float rest = 1;
+  int without = 0;
+  for (const Ingredient& one : ingredients) {
+    rest -= one.weight.value_or(0);
+    if (!one.weight) ++without;
+  }
+  if (without > 0 && rest <= 0) {
+    return Status::Error(WeightsText(arguments) + ": the weights given sum to " +
+                         NumberText(1 - rest, 3) +
+                         ", expected less than 1: the others share the rest");
+  }
+  const float share = rest / static_cast<float>(std::max(1, without));
+  for (Ingredient& one : ingredients) one.source.weight = one.weight.value_or(share);
+  return Status::Ok();
+}
+
+// The total weight of all sources.
+Result<float> CheckWeights(const Arguments& arguments, std::span<const net::StyleSource> sources) {
+  const float strength = arguments.strength;
+  if (!(strength >= 0 && strength <= net::kMaxStrength)) {
+    return Status::Error(Explain(stylist::SettingsError::kStrength));
+  }
+  float sum = 0;
+  for (const net::StyleSource& source : sources) sum += source.weight;
+  constexpr float kRounding = 1e-5F;  // of shares like 1/3
+  const float most = sum * std::max(1.0F, strength);
+  if (most > net::kMaxStrength + kRounding) return TooMuch(arguments, most);
+  return std::min(sum * strength, net::kMaxStrength);
+}
+
+}  // namespace
+
+Status CheckLength(const clip::Clip& clip, const std::string& file, const net::Model& model,
+                   const net::StyleSpace& space) {
+  const float rate_hz = model.rate_hz;
+  const std::size_t frames = NetworkFrames(clip, rate_hz);
+  const auto least = static_cast<std::size_t>(space.least_frames());
+  if (frames >= least) return Status::Ok();
+  return Status::Error(file + ": found " + std::to_string(frames) + " frames at " +
+                       NumberText(rate_hz) + " Hz, expected at least " + std::to_string(least));
+}
+
+Status CheckExampleWeights(const Arguments& arguments) {
+  for (const std::string& text : arguments.like) {
+    const auto example = ParseExample(text);
+    if (!example.ok()) return example.status();
+  }
+  return Status::Ok();
+}
+
+Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& model,
+                              const net::StyleSpace* space) {
+  Examples examples;
+  if (space == nullptr) return examples;
+  for (const std::string& text : arguments.like) {
+    auto example = ReadExample(text, arguments.rig, model, *space);
+    if (!example.ok()) return example.status();
+    examples.push_back(std::move(example.value()));
+  }
+  return examples;
+}
+
+void PrintNearest(const Examples& examples, const net::Styles& styles,
+                  const net::StyleSpace& space) {
+  for (const Example& example : examples) PrintNearest(example, styles, space);
+}
+
+Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,
+                                          const net::ClipStylizer& network) {
+  const net::Styles& styles = network.model().styles;
+  if (arguments.root != "follow") {
+    return Status::Error(
+        "--root stride: weights that need whole clips leave the body at the performer's place; "
+        "expected weights that run live");
+  }
+  if (arguments.cadence) {
+    return Status::Error(
+        "--cadence: weights that need whole clips leave steps at the performer's pace; expected "
+        "weights that run live");
+  }
+  stylist::ClipStyle style;
+  style.absolute = arguments.absolute;
+  const auto parts = FindParts(arguments);
+  if (!parts.ok()) return parts.status();
+  style.parts = parts.value();
+  const auto input_style = FindInputStyle(arguments, styles);
+  if (!input_style.ok()) return input_style.status();
+  style.input_style = input_style.value();
+  for (const Window& window : kWindows) {
+    if (arguments.window == window.word) style.extent = window.extent;
+  }
+
+  auto blend = MakeBlend(arguments, examples, network.model(), network, style.input_style);
+  if (!blend.ok()) return blend.status();
+  style.weight = blend.value().weight;
+  style.code = std::move(blend.value().code);
+  return style;
+}
+
+Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
+                        const net::Model& model, const net::StyleSpace& space, int input_style) {
+  net::StyleRequest request;
+  request.strength = arguments.strength;
+  request.amount = arguments.amount;
+  std::vector<Ingredient> ingredients;
+  const Status named = AddNamed(arguments, model.styles, ingredients);
+  if (!named.ok()) return named;
+  for (const Example& example : examples) {
+    ingredients.push_back({{-1, {}, example.poses, 1}, example.weight});
+  }
+  const Status shared = ShareRest(arguments, ingredients);
+  if (!shared.ok()) return shared;
+  for (const Ingredient& one : ingredients) {
+    // Neutral requests nothing, unless the performer's own style is removed.
+    const bool nothing = one.source.style == 0 && input_style == 0 && !one.source.seed;
+    if (!nothing) request.sources.push_back(one.source);
+  }
+  const auto weight = CheckWeights(arguments, request.sources);
+  if (!weight.ok()) return weight.status();
+  return Blend{space.MakeCode(request), weight.value()};
+}
+
+Status RefuseClipArguments(const Arguments& arguments, const net::Stylizer& network) {
+  const auto refusal = [&network](const std::string& option, const std::string& what,
+                                  const std::string& families) {
+    return Status::Error(option + ": the weights of family \"" + network.model().family +
+                         "\" have no " + what + "; expected weights of family " + families);
+  };
+  if (!arguments.like.empty() && network.space() == nullptr) {
+    return refusal("--like", "style encoder", net::SpaceFamilyNames());
+  }
+  if (arguments.vary && network.space() == nullptr) {
+    return refusal("--vary", "variations of a style", net::SpaceFamilyNames());
+  }
+  if (arguments.window != kWindows[0].word) {
+    return refusal("--window", "windows", net::ClipFamilyNames());
+  }
+  return Status::Ok();
+}
+
+}  // namespace styled::stylize

@@ -1,0 +1,43 @@
+// The argument --neutral of stylize: the source of the performer's own carriage.
+#include "model/clip/bind_clip.h"
+#include "model/tools/stylize/stylize.h"
+
+namespace styled::stylize {
+
+neutral::Known LearnNeutral(const clip::Clip& clip, const rig::Binding& binding,
+                            const neutral::Reference& reference) {
+  neutral::Neutral neutral;
+  body::Pose pose;
+  const auto dt_s = static_cast<float>(1 / clip.rate_hz);
+  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
+    binding.Bind(clip.frames[i], pose);
+    neutral.Follow(pose, i == 0 ? 0 : dt_s, true, reference);
+  }
+  return neutral.Tell(reference);
+}
+
+Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
+                                                  const rig::JointNames& joints,
+                                                  const net::Model& model) {
+  using Learned = std::optional<neutral::Known>;
+  const std::string& file = arguments.neutral;
+  if (file == kNeutralOfClip || file == kNeutralLive || file == kNoNeutral) return Learned();
+  if (!model.reference) {
+    return Status::Error(
+        "--neutral " + file +
+        ": these weights have no reference of how their performers stand and walk; "
+        "expected weights of version 3 (styletrain --write-reference)");
+  }
+  const auto clip = clip::ReadBvh(file);
+  if (!clip.ok()) return Status::Error("--neutral: " + clip.status().message());
+  const auto bound = clip::BindClip(clip.value(), arguments.rig,
+                                    clip::ParseRestPose(arguments.rest).value(), joints);
+  if (!bound.ok()) return Status::Error("--neutral: " + file + ": " + bound.status().message());
+  Learned learned = LearnNeutral(clip.value(), bound.value().binding, *model.reference);
+  if (learned->body_s > 0) return learned;
+  return Status::Error("--neutral " + file +
+                       ": found no standing or walking; expected some seconds of it, in the "
+                       "performer's own way");
+}
+
+}  // namespace styled::stylize

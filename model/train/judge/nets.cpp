@@ -1,0 +1,224 @@
+#include "model/train/judge/nets.h"
+
+#include <torch/torch.h>
+
+#include <cstdio>
+#include <numeric>
+
+#include "model/train/judge/classifier.h"
+
+namespace styled::judge {
+namespace {
+
+// During training each window and feature also gets a constant offset, in the feature's deviations.
+// Common properties of a recording session's clips (markers, actor) must not decide the style, and
+// a small constant signature must not pass for one. The content judge also sees poses between
+// styles; half a deviation worked best for styles left out of its training.
+constexpr float kStyleOffset = 1.0F;
+constexpr float kContentOffset = 0.5F;
+constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions
+
+// The denoising auto-encoder over rotations, [N, 4J, T] with T a multiple of 4.
+struct AutoEncoderImpl : torch::nn::Module {
+  AutoEncoderImpl() {
+    using namespace torch::nn;  // NOLINT
+    const int c = erd::kRotationFeatures;
+    encoder = register_module(
+        "encoder",
+        Sequential(Conv1d(Conv1dOptions(c, 128, 4).stride(4)), BatchNorm1d(128), ReLU(),
+                   Conv1d(Conv1dOptions(128, 256, 3).dilation(2)), BatchNorm1d(256), ReLU(),
+                   Conv1d(Conv1dOptions(256, 512, 2)), BatchNorm1d(512), ReLU()));
+    decoder = register_module(
+        "decoder",
+        Sequential(ConvTranspose1d(ConvTranspose1dOptions(512, 256, 2)), BatchNorm1d(256), ReLU(),
+                   ConvTranspose1d(ConvTranspose1dOptions(256, 128, 3).dilation(2)),
+                   BatchNorm1d(128), ReLU(),
+                   ConvTranspose1d(ConvTranspose1dOptions(128, c, 4).stride(4))));
+  }
+  torch::nn::Sequential encoder{nullptr}, decoder{nullptr};
+};
+TORCH_MODULE(AutoEncoder);
+
+torch::Tensor QuaternionLoss(const torch::Tensor& expected, const torch::Tensor& found) {
+  const auto quaternions = [](const torch::Tensor& x) {  // [N, 4J, T] -> unit, [N, J, 4, T]
+    const torch::Tensor q = x.view({x.size(0), body::kJointCount, 4, x.size(2)});
+    return q / q.norm(2, {2}, true).clamp_min(1e-6);
+  };
+  const torch::Tensor dot = (quaternions(expected) * quaternions(found)).sum(2).abs();
+  return dot.clamp_max(1 - 1e-6).acos().square().mean();  // eq. 2
+}
+
+}  // namespace
+
+Sequence MakeSequence(std::span<const body::Pose> poses, int style, int content, bool mirrored,
+                      const erd::FeatureParameters& parameters) {
+  Sequence sequence{.style = style, .content = content, .frames = {}};
+  erd::FeatureState state;
+  erd::Features features;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    body::Pose pose = poses[i];
+    if (mirrored) body::Mirror(poses[i], pose);
+    erd::ComputeFeatures(pose, parameters, state, features);
+    if (i > 0) sequence.frames.push_back(features);
+  }
+  return sequence;
+}
+
+struct Judges::Impl : torch::nn::Module {
+  Impl(int styles, int contents, const JudgeSettings& s)
+      : settings(s),
+        style(register_module("style", Classifier(erd::kFeatureCount, styles))),
+        content(register_module("content", Classifier(erd::kFeatureCount, contents))),
+        encoder(register_module("encoder", AutoEncoder())),
+        mean(register_buffer("mean", torch::zeros({1, erd::kFeatureCount, 1}))),
+        deviation(register_buffer("deviation", torch::ones({1, erd::kFeatureCount, 1}))) {}
+
+  // [N, T, F] as sampled -> [N, F, T] standardized.
+  torch::Tensor Standardize(const torch::Tensor& windows) const {
+    return (windows.transpose(1, 2) - mean) / deviation;
+  }
+  torch::Tensor Rotations(const torch::Tensor& windows) const {
+    return windows.slice(2, 0, erd::kRotationFeatures).transpose(1, 2);
+  }
+  torch::Tensor RotationMean() const { return mean.slice(1, 0, erd::kRotationFeatures); }
+
+  void Train(const std::vector<Sequence>& sequences, int styles, int contents);
+  void SetParameters() {
+    erd::Features values;
+    const torch::Tensor flat = mean.contiguous();
+    std::copy_n(flat.data_ptr<float>(), values.size(), values.begin());
+    feature_parameters.rate_hz = static_cast<float>(kJudgeRate_hz);
+    train::SetHemisphere(values, feature_parameters);
+  }
+
+  JudgeSettings settings;
+  erd::FeatureParameters feature_parameters;
+  mutable Classifier style, content;
+  mutable AutoEncoder encoder;
+  torch::Tensor mean, deviation;
+};
+
+void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int contents) {
+  const int batch = settings.batch;
+  WindowSampler sampler(sequences, styles, contents, settings.window, settings.seed);
+  torch::Tensor windows = torch::empty({batch, settings.window, erd::kFeatureCount});
+  torch::Tensor style_label = torch::empty({batch}, torch::kLong);
+  torch::Tensor content_label = torch::empty({batch}, torch::kLong);
+  train();
+  torch::Tensor style_loss;
+  torch::Tensor content_loss;
+  torch::Tensor encoder_loss;
+  const auto loss = [&] {
+    sampler.Fill(batch, windows.data_ptr<float>(), style_label.data_ptr<std::int64_t>(),
+                 content_label.data_ptr<std::int64_t>());
+    const torch::Tensor x = Standardize(windows);
+    const torch::Tensor noisy = x + kFeatureNoise * torch::randn_like(x);
+    const auto with_offset = [&noisy](float deviation) {
+      return noisy + deviation * torch::randn({noisy.size(0), erd::kFeatureCount, 1});
+    };
+    style_loss =
+        torch::nn::functional::cross_entropy(style(with_offset(kStyleOffset)), style_label);
+    content_loss =
+        torch::nn::functional::cross_entropy(content(with_offset(kContentOffset)), content_label);
+    const torch::Tensor r = Rotations(windows);
+    const torch::Tensor corrupt = r + kRotationNoise * torch::randn_like(r) - RotationMean();
+    const torch::Tensor decoded =
+        encoder->decoder->forward(encoder->encoder->forward(corrupt)) + RotationMean();
+    encoder_loss = QuaternionLoss(r, decoded);
+
+    return style_loss + content_loss + encoder_loss;
+  };
+  const auto state = [&] {
+    char text[96];
+    std::snprintf(text, sizeof text, "style %.3f, content %.3f, encoder %.4f",
+                  style_loss.item<double>(), content_loss.item<double>(),
+                  encoder_loss.item<double>());
+    return std::string(text);
+  };
+  Optimize("judges", torch::nn::Module::parameters(), settings.iterations, loss, state);
+}
+
+Judges::Judges(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Judges::~Judges() = default;
+Judges::Judges(Judges&&) noexcept = default;
+Judges& Judges::operator=(Judges&&) noexcept = default;
+const JudgeSettings& Judges::settings() const { return impl_->settings; }
+const erd::FeatureParameters& Judges::parameters() const { return impl_->feature_parameters; }
+
+Result<Judges> Judges::TrainOrLoad(const std::vector<train::TrainingClip>& clips, int styles,
+                                   int contents, const JudgeSettings& settings,
+                                   const std::filesystem::path& cache, const std::string& key) {
+  torch::set_num_threads(1);
+  torch::manual_seed(settings.seed);
+  const std::filesystem::path file = cache / ("judges-" + key + ".pt");
+  try {
+    auto impl = std::make_unique<Impl>(styles, contents, settings);
+    if (std::filesystem::exists(file)) {
+      torch::serialize::InputArchive archive;
+      archive.load_from(file.string());
+      impl->load(archive);
+      impl->SetParameters();
+    } else {
+      const train::FeatureStatistics statistics =
+          train::ComputeStatistics(clips, impl->feature_parameters);
+      for (int i = 0; i < erd::kFeatureCount; ++i) {
+        impl->mean[0][i][0] = statistics.mean[i];
+        impl->deviation[0][i][0] = statistics.deviation[i];
+      }
+      impl->SetParameters();
+      std::vector<Sequence> sequences;
+      for (const train::TrainingClip& clip : clips) {
+        for (const bool mirrored : {false, true}) {
+          sequences.push_back(MakeSequence(clip.poses, clip.style, clip.content, mirrored,
+                                           impl->feature_parameters));
+        }
+      }
+      impl->Train(sequences, styles, contents);
+      SaveModule(*impl, file);
+    }
+    impl->eval();
+    return Judges(std::move(impl));
+  } catch (const std::exception& error) {
+    return Status::Error(file.string() + ": " + error.what());
+  }
+}
+
+std::vector<int> Judges::JudgeStyle(const Sequence& sequence, int window) const {
+  torch::NoGradGuard no_grad;
+  std::vector<int> starts(
+      static_cast<std::size_t>(std::max(0, static_cast<int>(sequence.frames.size()) - window + 1)));
+  std::iota(starts.begin(), starts.end(), 0);
+  if (starts.empty()) return {};
+  return Answers(impl_->style(impl_->Standardize(Windows(sequence, starts, window))));
+}
+
+namespace {
+
+Eigen::MatrixXd Rows(const torch::Tensor& matrix) {
+  const torch::Tensor flat = matrix.to(torch::kDouble).contiguous();
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      flat.data_ptr<double>(), flat.size(0), flat.size(1));
+}
+
+}  // namespace
+
+Verdicts Judges::Judge(const Sequence& sequence, int stride) const {
+  torch::NoGradGuard no_grad;
+  const int window = impl_->settings.window;
+  Verdicts verdicts;
+  const int last = static_cast<int>(sequence.frames.size()) - window;
+  for (int start = 0; start <= last; start += stride) verdicts.starts.push_back(start);
+  if (verdicts.starts.empty()) return verdicts;
+
+  const torch::Tensor windows = Windows(sequence, verdicts.starts, window);
+  const torch::Tensor x = impl_->Standardize(windows);
+  verdicts.style = Answers(impl_->style(x));
+  const torch::Tensor pooled = impl_->content->Pool(x);
+  verdicts.content = Answers(impl_->content->head(pooled));
+  verdicts.content_features = Rows(pooled.slice(1, 0, pooled.size(1) / 2));
+  verdicts.embedding = Rows(
+      impl_->encoder->encoder->forward(impl_->Rotations(windows) - impl_->RotationMean()).mean(2));
+  return verdicts;
+}
+
+}  // namespace styled::judge

@@ -1,0 +1,89 @@
+"""Lists of the fields of a look (proto/styled/v1/look.proto) that no compiler compares with it have all of them, or
+say here which are left out: the page's, the Unity package's, the help of `python -m styled`."""
+
+import os
+import re
+import unittest
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
+
+# Not in looks.ts's list: it handles them one by one, and `clear` is a command.
+PAGE_HANDLES = {'mix', 'preset', 'transition_ms', 'clear'}
+# Unity's Control sets a style, its strength and its fade, or clears them. A new field is added to Control.cs or here.
+UNITY_LEAVES_OUT = {'absolute', 'parts', 'input_style', 'preset', 'root', 'vary', 'vary_each', 'vary_amount', 'drift_s'}
+# Of Python's command line: --style and --mix, --preset, the command `clear`; and --vary each.
+PYTHON_HAS_OWN = {'mix', 'preset', 'clear', 'vary_each'}
+
+
+def read(*path):
+    with open(os.path.join(ROOT, *path), encoding='utf-8') as text:
+        return text.read()
+
+
+def fields(proto, message):
+    """{field: number} of a message without nested ones."""
+    body = re.search(rf'^message {message} \{{\n(.*?)^\}}', proto, re.MULTILINE | re.DOTALL).group(1)
+    return {name: int(number)
+            for name, number in re.findall(r'^  (?:optional |repeated )?[\w.]+ (\w+) = (\d+);', body, re.MULTILINE)}
+
+
+def snake(name):
+    return re.sub('[A-Z]', lambda letter: '_' + letter.group(0).lower(), name)
+
+
+def listed_by_page(source):
+    return {snake(name) for name in re.findall(r"'(\w+)'", re.search(r'const FIELDS = \[(.*?)\]', source).group(1))}
+
+
+def written_by_unity(source):
+    """The field numbers of the Look that SetStyle and Clear write."""
+    calls = re.search(r'Dictionary<string, ulong> SetStyle\(.*?(?=/// <summary>Everyone to bypass)', source, re.DOTALL).group(0)
+    outer = re.sub(r'new WireWriter\(\)\.Text\(1, style\)\.Float\(2, 1\)\.Bytes', '', calls)  # a StyleWeight
+    outer = re.sub(r'Request\(performer\)\.Message\(4,', '', outer)  # a Request
+    return {int(number) for number in re.findall(r'\.(?:Message|Text|Float|Number)\((\d+),', outer)}
+
+
+def helped_by_python(source):
+    table = re.search(r'^LOOK_HELP = \{(.*?)\}$', source, re.MULTILINE | re.DOTALL).group(1)
+    return set(re.findall(r"(?:^|,\s+)'(\w+)': ", table))
+
+
+class Look(unittest.TestCase):
+
+    def setUp(self):
+        self.fields = fields(read('proto', 'styled', 'v1', 'look.proto'), 'Look')
+        self.assertGreater(len(self.fields), 12)
+
+    def test_the_page_lists_every_field(self):
+        listed = listed_by_page(read('clients', 'web', 'page', 'src', 'looks.ts'))
+        self.assertEqual(set(self.fields), listed | PAGE_HANDLES)
+        self.assertFalse(listed & PAGE_HANDLES)
+
+    def test_unity_writes_every_field_by_its_number_or_it_is_left_out_here(self):
+        written = written_by_unity(read('clients', 'unity', 'Runtime', 'Control.cs'))
+        wanted = {self.fields[name] for name in set(self.fields) - UNITY_LEAVES_OUT}
+        self.assertEqual(wanted, written)
+        self.assertLessEqual(UNITY_LEAVES_OUT, set(self.fields))
+
+    def test_python_explains_every_option(self):
+        helped = helped_by_python(read('clients', 'python', 'styled', '__main__.py'))
+        self.assertEqual(set(self.fields), helped | PYTHON_HAS_OWN)
+        self.assertFalse(helped & PYTHON_HAS_OWN)
+
+    def test_the_usual_fade_is_one(self):
+        said = re.search(r'initially (\d+); shortest fade', read('proto', 'styled', 'v1', 'look.proto')).group(1)
+        page = re.search(r'^  transition_ms = (\d+);', read('clients', 'web', 'page', 'src', 'app.ts'), re.MULTILINE).group(1)
+        constant = re.search(r'kUsualTransition_s = ([\d.]+)F;', read('model', 'net', 'styles.h')).group(1)
+        manual = re.search(r'^# transition_ms = (\d+) ', read('daemon', 'config', 'styled.toml'), re.MULTILINE).group(1)
+        self.assertEqual([said] * 3, [page, f'{1000 * float(constant):g}', manual])
+
+    def test_a_new_field_is_missed_in_all_three(self):
+        proto = 'message Look {\n  repeated StyleWeight mix = 1;  // x\n  optional float glow = 14;\n}\n'
+        self.assertEqual({'mix': 1, 'glow': 14}, fields(proto, 'Look'))
+        self.assertEqual({'drift_s'}, listed_by_page("const FIELDS = ['driftS'] as const;"))
+        self.assertNotIn(14, written_by_unity(read('clients', 'unity', 'Runtime', 'Control.cs')))
+        self.assertEqual({'strength', 'parts'}, helped_by_python("LOOK_HELP = {'strength': '0 to 1', 'parts': 'e.g. a'}\n"))
+
+
+if __name__ == '__main__':
+    unittest.main()
