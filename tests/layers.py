@@ -184,12 +184,12 @@ def written(readme):
     return before + begin + table() + end + after
 
 
-# What --write writes: of each file, its text as it should be.
+# The files of --write, and functions that return their text as it should be.
 WRITTEN = {"daemon/README.md": written, "tests/layers.svg": lambda _: layers_picture.picture(ROWS)}
 
 
 def stale(texts):
-    """The files of WRITTEN that say something else; `texts`: {file: what it says}."""
+    """The files of WRITTEN that differ; `texts`: {file: its text}."""
     return [file for file, write in WRITTEN.items() if write(texts[file]) != texts[file]]
 
 

@@ -1,6 +1,6 @@
-"""The picture of tests/layers.py: who may include whom, as an SVG. Arrows go from who includes to what is
-included. Within a panel what follows from other arrows has none; between panels there is one arrow, with the
-folders it may go to.
+"""The picture of tests/layers.py: which folder may include which, as an SVG. An arrow goes from a folder to
+one that it may include. Within a panel, an include that other arrows imply has no arrow; between panels there is
+one arrow, with the names of the folders it may go to.
 """
 
 import html
@@ -10,7 +10,7 @@ BOX_W, BOX_H, GAP_X, GAP_Y, PAD, TITLE = 104, 26, 14, 30, 16, 26
 INK, BOX, LINE, BORDER = "#1f2a37", "#d5e3f2", "#8a94a0", "#9aa4af"
 MERGED = {"model/train"}  # one box for the folder and those below it
 NAMES = {"daemon": "supervisor, main"}
-BETWEEN = 225             # the columns, for arrows and what they say
+BETWEEN = 225             # the columns, for arrows and their names
 
 
 def box_of(row):
@@ -29,7 +29,7 @@ def graph(rows):
     edges = {box: set() for box in boxes}
     for row, allowed in rows.items():
         for name in allowed.split():
-            # What is named stands for the folders below it; a folder without a row is its row's.
+            # A name stands for the folders below it, too; a folder without a row belongs to the row above it.
             named = below.get(box_of(name)) or {other for other in boxes if other.startswith(name + "/")}
             known = max((box for box in boxes if name.startswith(box + "/")), key=len, default=None)
             edges[box_of(row)] |= named or ({known} if known else set())
@@ -47,7 +47,7 @@ def reached(edges, box):
 
 
 def reduced(edges):
-    """Without what follows from other edges."""
+    """Without edges that other edges imply."""
     return {box: {other for other in others if not any(other in reached(edges, via) for via in others - {other})}
             for box, others in edges.items()}
 
