@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Which folder may include which. Prints `FILE:LINE: INCLUDE: RULE` for each include that breaks a rule,
 or `N includes, R rules, held`. Before that it breaks each rule once, by an include that is not in the tree: a
-rule that does not notice is a failure too. The table of daemon/README.md must say the same; `--write` writes
-it.
+rule that does not notice is a failure too. The table of daemon/README.md and the picture tests/layers.svg must
+say the same; `--write` writes both.
 
 A folder's row covers the folders below that have no row. A folder may include itself; what a row names
 means the folders below it, too. Generated and system headers are not looked at.
@@ -12,6 +12,8 @@ import pathlib
 import re
 import subprocess
 import sys
+
+import layers_picture
 
 STAGES = "model/base model/body model/rig"
 ROWS = {
@@ -125,8 +127,9 @@ def broken_rule(file, header):
     return f"{row} may include {ROWS[row] or 'only itself'}"
 
 
-def unnoticed():
-    """Rules that let an include pass that breaks them, and rows of daemon/ that name one further up."""
+def unnoticed(texts):
+    """Rules that let an include pass that breaks them, rows of daemon/ that name one further up, and what is
+    written here and may say something else."""
     missed = []
     above = set()
     for row, allowed in ROWS.items():
@@ -137,6 +140,10 @@ def unnoticed():
         forbidden = "daemon/supervisor.h" if row != "daemon" else "clients/cpp/control.h"
         if row != "tests" and not broken_rule(f"{row}/nobody.cpp", forbidden):
             missed.append(f"{row}: {allowed}")
+    good = {file: write(text) for (file, write), text in zip(WRITTEN.items(), texts.values())}
+    for file, text in good.items():
+        if stale({**good, file: text.replace("runtime", "elsewhere")}) != [file]:
+            missed.append(f"{file} with another folder")
     for file, header in (
             ("model/stylist/stylist.cpp", "model/net/erd/network.h"),
             ("daemon/pipeline/pipeline.cpp", "model/net/stgcn/network.h"),
@@ -177,14 +184,23 @@ def written(readme):
     return before + begin + table() + end + after
 
 
+# The files of --write, and functions that return their text as it should be.
+WRITTEN = {"daemon/README.md": written, "tests/layers.svg": lambda _: layers_picture.picture(ROWS)}
+
+
+def stale(texts):
+    """The files of WRITTEN that differ; `texts`: {file: its text}."""
+    return [file for file, write in WRITTEN.items() if write(texts[file]) != texts[file]]
+
+
 def main():
     root = pathlib.Path(__file__).resolve().parent.parent
-    page = root / "daemon/README.md"
-    readme = page.read_text()
+    texts = {file: (root / file).read_text() for file in WRITTEN}
     if sys.argv[1:] == ["--write"]:
-        page.write_text(written(readme))
+        for file, write in WRITTEN.items():
+            (root / file).write_text(write(texts[file]))
         return 0
-    missed = unnoticed()
+    missed = unnoticed(texts)
     for rule in missed:
         print(f"tests/layers.py: a rule does not notice when it is broken: {rule}")
     files = subprocess.run(["git", "-C", str(root), "ls-files", "*.h", "*.cpp"],
@@ -204,8 +220,10 @@ def main():
     if broken or missed:
         print(f"{broken} of {includes} includes break a rule")
         return 1
-    if written(readme) != readme:
-        print("daemon/README.md: its table of layers is not that of tests/layers.py --write")
+    old = stale(texts)
+    for file in old:
+        print(f"{file}: is not what tests/layers.py --write writes")
+    if old:
         return 1
     print(f"{includes} includes, {len(ROWS) + 3} rules, held")
     return 0

@@ -59,9 +59,9 @@ def wire(build):
         rows = json.load(open(out.name, encoding='utf-8'))
     ours = rows['styled, block']
     echo = rows['echo, block']
-    sentence = (f"Of sixteen performers at 120 Hz, {ours['lost'] or 'none'} of {ours['sent']:,} frames were lost, and "
+    sentence = (f"Sixteen performers at 120 Hz: of {ours['sent']:,} frames {ours['lost'] or 'none'} got lost, and "
                 f"{ours['over_period'] or 'none'} took longer than a frame's period (8.33 ms) from the sender's socket to the "
-                f"subscriber's; the median took {ours['p50_us'] / 1000:.2f} ms, {ours['p50_us'] / echo['p50_us']:.1f} times "
+                f"subscriber's. The median is {ours['p50_us'] / 1000:.2f} ms, {ours['p50_us'] / echo['p50_us']:.1f} times "
                 f"that of a bare echo loop ({echo['over_period'] or 'none'} of whose frames took longer).")
     return sentence, command, True
 
@@ -74,8 +74,8 @@ def standby(build):
     sys.stderr.write(said)
     gaps = [int(ms) for ms in re.findall(r'kill \d+: (\d+) ms', said)]
     frames, lost, other = map(int, re.search(r'(\d+) frames, (\d+) lost, (\d+) with another pose', said).groups())
-    sentence = (f"killed {len(gaps)} times in turn, the daemon that leads took {lost or 'none'} of {frames:,} frames with it, "
-                f"{other or 'none'} came out otherwise by a bit, and the other one went on within {max(gaps) / 1000:.2f} s")
+    sentence = (f"Of two daemons the leading one was killed {len(gaps)} times: of {frames:,} frames {lost or 'none'} got "
+                f"lost, {other or 'none'} differed in a bit, and the other daemon went on within {max(gaps) / 1000:.2f} s.")
     return sentence, command, False
 
 

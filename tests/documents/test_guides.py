@@ -1,4 +1,5 @@
-"""daemon/TROUBLESHOOTING.md and GLOSSARY.md name programs, options, counters and terms that exist."""
+"""README.md, clients/README.md and the guides in daemon/ name programs, options, counters and terms that exist.
+A stranger reads README.md in two minutes: it has at most 110 lines."""
 import glob
 import os
 import re
@@ -9,6 +10,7 @@ from test_operating import ROOT, counters, read
 PROGRAMS = ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'stylenats', 'styleweb',
             'stylize')
 GROUPS = ('source', 'usb', 'pipeline', 'stylist', 'publish', 'control', 'security', 'config', 'state', 'record')
+README_LINES = 110
 CODE = re.compile(r'`([^`\n]+)`')
 BLOCK = re.compile(r'^```sh\n(.*?)^```', re.MULTILINE | re.DOTALL)
 TERM = re.compile(r'^\| ([^|*]+) \| (.*) \|$', re.MULTILINE)
@@ -55,6 +57,29 @@ def terms_not_explained(entries):
             if word.lower() not in terms and word.lower().rstrip('s') not in terms]
 
 
+def beyond(page, lines):
+    """The lines of a page that are too many."""
+    return page.splitlines()[lines:]
+
+
+def sections(toml):
+    """{section: its keys} of styled.toml, those that are commented out included."""
+    found, keys = {}, set()
+    for line in toml.splitlines():
+        head, key = re.match(r'(?:# )?\[\[?(\w+)\]', line), re.match(r'(?:# *)?(\w+) *=', line)
+        if head:
+            keys = found.setdefault(head.group(1), set())
+        elif key:
+            keys.add(key.group(1))
+    return found
+
+
+def wrong_keys(page, known):
+    """Sections, and keys behind them, that a page names and styled.toml has not."""
+    return [f'[{section}] {key}'.strip() for section, key in re.findall(r'`\[\[?([a-z]\w*)\]\]?(?: (\w+))?', page)
+            if key not in {'', *known.get(section, ())} or section not in known]
+
+
 class GuidesTest(unittest.TestCase):
     def setUp(self):
         self.page = read('daemon', 'TROUBLESHOOTING.md')
@@ -66,6 +91,28 @@ class GuidesTest(unittest.TestCase):
         self.assertEqual([], wrong_options(self.page, sources.get))
         self.assertEqual([], wrong_counters(self.page, counters(read('daemon', 'runtime', 'counters.cpp'))))
 
+    def test_options_of_the_other_pages_exist(self):
+        sources = {program: source_of(program) for program in PROGRAMS}
+        for page in (('README.md',), ('clients', 'README.md'), ('daemon', 'OPERATING.md')):
+            with self.subTest(page=page):
+                self.assertGreater(len(commands(read(*page))), 5)
+                self.assertEqual([], wrong_options(read(*page), sources.get))
+
+    def test_sections_and_keys_of_the_configuration_exist(self):
+        known = sections(read('daemon', 'config', 'styled.toml'))
+        self.assertGreater(sum(map(len, known.values())), 80)
+        pages = glob.glob(os.path.join(ROOT, '*.md'))
+        for folder in ('clients', 'daemon', 'model', 'proto', 'tests'):
+            pages += glob.glob(os.path.join(ROOT, folder, '**', '*.md'), recursive=True)
+        for page in pages:
+            if '/node_modules/' not in page:
+                with self.subTest(page=os.path.relpath(page, ROOT)):
+                    self.assertEqual([], wrong_keys(read(page), known))
+
+    def test_the_readme_is_short(self):
+        self.assertEqual([], beyond(read('README.md'), README_LINES))
+        self.assertEqual(['c', ''], beyond('a\nb\nc\n\n', 2))
+
     def test_the_terms_are_in_order_and_those_in_italics_have_a_row(self):
         terms = [term.lower() for term, _ in self.entries]
         self.assertGreater(len(terms), 40)
@@ -76,6 +123,8 @@ class GuidesTest(unittest.TestCase):
         page = '`styled --fast` `stylectl doctor --seconds 3`\n```sh\nsudo stylectl --quick  # --slow\n```\n`pipeline.lots`'
         self.assertEqual(['stylectl --quick', 'styled --fast'], wrong_options(page, lambda _: '("--seconds",'))
         self.assertEqual(['pipeline.lots'], wrong_counters(page, {'pipeline.late': True}))
+        self.assertEqual(['[look] x', '[style] librarian', '[look]'], wrong_keys(
+            '`[look] x` `[style] librarian` `[[look]]` `[style] library` `[style]`', {'style': {'library'}}))
         self.assertEqual(['weather'], terms_not_explained([('style', 'as *styles*, *weather*')]))
 
 

@@ -82,6 +82,19 @@ def wrong_links(page, text, tree, read):
     return wrong
 
 
+def lost_pages(first, pages, read):
+    """The pages to which no way leads along links from the first one; a folder stands for its README.md."""
+    found, todo = set(), [first]
+    while todo:
+        page = todo.pop()
+        if page not in found:
+            found.add(page)
+            for target in LINK.findall(read(page)):
+                path = os.path.normpath(os.path.join(os.path.dirname(page), target.partition('#')[0]))
+                todo += [file for file in (path, os.path.join(path, 'README.md')) if file in pages]
+    return sorted(set(pages) - found)
+
+
 def wrong_names(page, text, tree):
     """Names of files in a text that are not in the tree."""
     return [f'{page}: names {name}, which is not in the tree' for name in dict.fromkeys(NAME.findall(text))
@@ -119,6 +132,13 @@ class LinksTest(unittest.TestCase):
         self.assertGreater(len(self.pages), 15)
         self.assertEqual([], [wrong for page in self.pages
                               for wrong in wrong_links(page, read(page), self.tree, read)])
+
+    def test_every_page_is_found_from_the_readme(self):
+        self.assertEqual([], lost_pages('README.md', self.pages, read))
+
+    def test_a_page_that_no_other_links_to_is_lost(self):
+        texts = {'README.md': '[a](a) [b](https://b.md)', 'a/README.md': '[c](../c.md#x)', 'c.md': '', 'd.md': ''}
+        self.assertEqual(['d.md'], lost_pages('README.md', texts, texts.get))
 
     def test_files_that_a_document_names_exist(self):
         self.assertEqual([], [wrong for page in self.pages

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Draws the moving picture of the README: a walk as captured, and the same walk in some styles.
 
-    model/tools/strips/animate.py OUT.svg [--bin build/release/bin] [--styles youthful,elderly,...]
+    model/tools/strips/animate.py OUT.svg [--bin build/release/bin] [--styles elderly,open:zombie,...]
 
-The synthetic performer of stylesim walks; stylize restyles its BVH with the shipped weights, frame after
-frame as the daemon does; the figures are drawn from the side, on a treadmill, as an animated SVG that
-repeats one gait cycle. The licence of the weights is written into it. Needs no package beyond Python's
-own.
+The synthetic performer of stylesim walks; stylize restyles its BVH with shipped weights, frame after frame
+as the daemon does. The figures are drawn from the side, on a treadmill, as an animated SVG that repeats one
+gait cycle; behind each styled one stands the captured one, pale. Colours are of a middle lightness, so that
+they are seen on white and on black pages. The licences of the weights are written into it. Needs no package
+beyond Python's own.
 """
 import argparse
 import html
@@ -18,26 +19,29 @@ import subprocess
 import sys
 import tempfile
 
-WEIGHTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'weights', 'v2.safetensors')
+WEIGHTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'weights')
 RATE_HZ = 60
-DRAWN_HZ = 20
+DRAWN_HZ = 15
 SETTLED_S = 4.0            # the style is fully there
 CYCLE_S = (0.8, 2.6)       # of one or two gait cycles
 VIEW = math.radians(25)    # of the camera from the performer's right side toward the front
 UNITS_PER_CM = 4
-COLUMN, HEIGHT, FLOOR = 560, 960, 860
-LIMBS = {                  # drawn from back to front
-    'left': [['leftUpperLeg', 'leftLowerLeg', 'leftFoot', 'leftToes'],
-             ['leftUpperArm', 'leftLowerArm', 'leftHand']],
-    'trunk': [['hips', 'spine', 'chest', 'neck'], ['leftUpperArm', 'neck', 'rightUpperArm'],
-              ['leftUpperLeg', 'hips', 'rightUpperLeg']],
-    'head': [['chin', 'crown']],
-    'right': [['rightUpperLeg', 'rightLowerLeg', 'rightFoot', 'rightToes'],
-              ['rightUpperArm', 'rightLowerArm', 'rightHand']],
-}
-HEAD_CM = {'chin': 5, 'crown': 11}  # middles of its round ends, above the joint
-COLORS = {'right': '#cd4632', 'trunk': '#808080', 'left': '#246abe', 'head': '#808080'}
-WIDTHS = {'right': 30, 'trunk': 34, 'left': 30, 'head': 60}
+COLUMN, HEIGHT, FLOOR = 500, 980, 860
+DASHES = 8                 # of the floor, in the way of one cycle
+# Drawn from back to front: name, width, and chains of joints; a chain that ends where it begins is filled.
+PARTS = [
+    ('far', 34, [['leftUpperLeg', 'leftLowerLeg', 'leftFoot', 'leftToes']]),
+    ('far', 26, [['leftUpperArm', 'leftLowerArm', 'leftHand']]),
+    ('trunk', 40, [['leftUpperArm', 'rightUpperArm', 'rightUpperLeg', 'leftUpperLeg', 'leftUpperArm']]),
+    ('trunk', 30, [['neck', 'chin']]),
+    ('trunk', 72, [['chin', 'crown']]),
+    ('near', 34, [['rightUpperLeg', 'rightLowerLeg', 'rightFoot', 'rightToes']]),
+    ('near', 26, [['rightUpperArm', 'rightLowerArm', 'rightHand']]),
+]
+HEAD_CM = {'chin': 8, 'crown': 11}  # middles of its round ends, above the joint
+CAPTURED = {'far': '#6f7b88', 'trunk': '#838f9c', 'near': '#99a5b2'}
+STYLED = {'far': '#a8481f', 'trunk': '#cf5c28', 'near': '#ee7f45'}
+LABEL, FLOOR_COLOR, PALE = '#858f9a', '#98a2ad', 0.3
 
 
 class Bvh:
@@ -148,12 +152,26 @@ def flattened(poses, start, count):
     return frames
 
 
-def outline(frame, chains, left):
+def outline(frame, chains):
+    """The path of one part of a figure, about the middle of its column."""
     moves = []
     for chain in chains:
-        points = [f'{round(left + frame[n][0])},{round(FLOOR - frame[n][1])}' for n in chain]
-        moves.append('M' + 'L'.join(points))
+        closed = chain[0] == chain[-1]
+        points = [f'{round(frame[n][0])},{round(FLOOR - frame[n][1])}' for n in (chain[:-1] if closed else chain)]
+        moves.append('M' + 'L'.join(points) + ('Z' if closed else ''))
     return ''.join(moves)
+
+
+def drawn(frames, colors, seconds):
+    """The moving paths of one figure."""
+    out = []
+    for part, width, chains in PARTS:
+        steps = [outline(frame, chains) for frame in frames]
+        fill = f' fill="{colors[part]}"' if 'Z' in steps[0] else ''
+        out.append(f'<path stroke="{colors[part]}" stroke-width="{width}"{fill} d="{steps[0]}">'
+                   f'<animate attributeName="d" dur="{seconds:.2f}s" repeatCount="indefinite" '
+                   f'values="{";".join(steps)}"/></path>')
+    return out
 
 
 def licence_of(weights):
@@ -164,31 +182,42 @@ def licence_of(weights):
     return json.loads(metadata['styled'])['licence']
 
 
-def svg(figures, seconds, licence):
+def svg(figures, way, seconds, licences):
+    """The picture of [(label, frames)], the captured one first; `way`: how far all of them go in a cycle."""
     width = COLUMN * len(figures)
+    names = ', '.join(label for label, _ in figures)
+    dash = way / DASHES
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT}" width="{width // 4}" '
            f'height="{HEIGHT // 4}" fill="none" stroke-linecap="round" stroke-linejoin="round">',
-           f'<title>One walk: {html.escape(", ".join(label for label, _ in figures))}</title>',
-           f'<desc>Made with Styled. Licence, that of the weights: {html.escape(licence)}</desc>',
-           f'<path d="M0,{FLOOR + 16}H{width}" stroke="#b0b0b0" stroke-width="6"/>']
+           f'<title>One walk: {html.escape(names)}</title>',
+           f'<desc>Made with Styled. Licence, that of the weights: {html.escape("; ".join(licences))}</desc>',
+           f'<path d="M0,{FLOOR + 24}H{width}" stroke="{FLOOR_COLOR}" stroke-width="6" '
+           f'stroke-dasharray="{dash * 0.6:.1f} {dash * 0.4:.1f}"><animate attributeName="stroke-dashoffset" '
+           f'dur="{seconds:.2f}s" repeatCount="indefinite" values="0;{way:.1f}"/></path>']
     for column, (label, frames) in enumerate(figures):
-        left = COLUMN * column + COLUMN // 2
-        for part, chains in LIMBS.items():
-            steps = [outline(frame, chains, left) for frame in frames]
-            out.append(f'<path stroke="{COLORS[part]}" stroke-width="{WIDTHS[part]}" d="{steps[0]}">'
-                       f'<animate attributeName="d" dur="{seconds:.2f}s" repeatCount="indefinite" '
-                       f'values="{";".join(steps)}"/></path>')
-        out.append(f'<text x="{left}" y="{HEIGHT - 12}" text-anchor="middle" font-family="sans-serif" '
-                   f'font-size="64" fill="#808080">{label}</text>')
+        middle = COLUMN * column + COLUMN // 2
+        captured = column == 0
+        if not captured:
+            out.append(f'<use href="#captured" x="{COLUMN * column}" opacity="{PALE}"/>')
+        out += [f'<g transform="translate({middle})"' + (' id="captured">' if captured else '>'),
+                *drawn(frames, CAPTURED if captured else STYLED, seconds), '</g>',
+                f'<text x="{middle}" y="{HEIGHT - 24}" text-anchor="middle" font-family="sans-serif" font-size="60" '
+                f'fill="{LABEL if captured else STYLED["trunk"]}">{html.escape(label)}</text>']
     return '\n'.join(out + ['</svg>', ''])
+
+
+def weights_file(name):
+    """The file of shipped weights by their name, or what is a file itself."""
+    shipped = os.path.join(WEIGHTS, name + '.safetensors')
+    return shipped if os.path.exists(shipped) else name
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n', maxsplit=1)[0])
     parser.add_argument('out')
     parser.add_argument('--bin', default='build/release/bin', help='folder of stylesim and stylize')
-    parser.add_argument('--weights', default=WEIGHTS, help='of stylize; default: v2.safetensors')
-    parser.add_argument('--styles', default='youthful,active,elderly,angry', help='comma-separated')
+    parser.add_argument('--styles', default='elderly,giant,active,not-confident,open:zombie',
+                        help='comma-separated; WEIGHTS:STYLE for other weights than v2')
     arguments = parser.parse_args()
 
     def run(program, *options):
@@ -199,22 +228,25 @@ def main():
         if done.returncode != 0:
             sys.exit(f'{program}: {done.stderr.strip()}')
 
+    styles = [style.rpartition(':')[::2] for style in arguments.styles.split(',')]
+    styles = [(weights_file(weights or 'v2'), style) for weights, style in styles]
     with tempfile.TemporaryDirectory() as folder:
-        walk = os.path.join(folder, 'input.bvh')
+        files = [os.path.join(folder, f'{number}.bvh') for number in range(len(styles) + 1)]
         run('stylesim', '--script', 'walk:20', '--seconds', str(SETTLED_S + CYCLE_S[1] + 1), '--rate', str(RATE_HZ),
-            '--write', walk)
-        names = ['input'] + arguments.styles.split(',')
-        for name in names[1:]:
-            run('stylize', '--weights', arguments.weights, '--style', name, walk, os.path.join(folder, name + '.bvh'))
+            '--write', files[0])
+        for (weights, style), file in zip(styles, files[1:]):
+            run('stylize', '--weights', weights, '--style', style, files[0], file)
         clips = []
-        for name in names:
-            bvh = Bvh(os.path.join(folder, name + '.bvh'))
+        for file in files:
+            bvh = Bvh(file)
             clips.append([bvh.positions(frame) for frame in range(len(bvh.frames))])
     start = round(SETTLED_S * RATE_HZ)
     count = gait_cycle(clips, start)
-    labels = ['as captured'] + names[1:]
-    picture = svg([(label, flattened(clip, start, count)) for label, clip in zip(labels, clips)], count / RATE_HZ,
-                  licence_of(arguments.weights))
+    labels = ['captured'] + [style for _, style in styles]
+    way_cm = math.dist(*(clips[0][at]['hips'][::2] for at in (start, start + count)))
+    picture = svg([(label, flattened(clip, start, count)) for label, clip in zip(labels, clips)],
+                  way_cm * math.cos(VIEW) * UNITS_PER_CM, count / RATE_HZ,
+                  dict.fromkeys(licence_of(weights) for weights, _ in styles))
     with open(arguments.out, 'w', encoding='utf-8') as out:
         out.write(picture)
     print(f'{arguments.out}: {len(picture)} bytes, one cycle is {count / RATE_HZ:.2f} s')
