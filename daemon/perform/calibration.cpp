@@ -11,7 +11,7 @@ Result<Performer*> Calibrate(const v1::Request& request,
   Performer* const performer = profile == nullptr ? nullptr : roster.LiveOf(*profile);
   if (performer == nullptr) {
     return Refused(v1::CODE_UNKNOWN_PERFORMER, "performer \"" + Printable(request.performer(), 80) +
-                                                   "\": expected one that is here");
+                                                   "\": expected one that is present");
   }
   const v1::Calibrate& calibrate = request.calibrate();
   if (!v1::Calibrate::Pose_IsValid(calibrate.pose()) ||

@@ -12,8 +12,8 @@
 namespace styled::pipeline {
 
 // Executes a Calibrate request (control.proto). A rig of sensors is reset by its transport; for any
-// other rig the performer is bound anew by its current pose. With `neutral` the performer's own way
-// of standing and walking is learned anew instead, of any rig. Returns the performer whose bodies
+// other rig the performer is bound again by its current pose. With `neutral`, the performer's own
+// posture and walk are learned again instead, for any rig. Returns the performer whose bodies
 // or sensors changed, and fills `calibrate` of the reply; an error has a code. Pipeline thread;
 // allocates.
 Result<Performer*> Calibrate(const v1::Request& request,

@@ -62,14 +62,14 @@ v1::Checkpoint StateOf(Performer& performer, const RuntimeConfig& config, std::i
   return checkpoint;
 }
 
-// What the state was made with must be here, too.
+// Compares the checkpoint's version, weights, styles and outputs with this daemon's.
 Status CheckSame(const v1::Checkpoint& checkpoint, const RuntimeConfig& config) {
   if (checkpoint.version() != kCheckpointVersion) {
     return Bad("version " + std::to_string(checkpoint.version()) + ", expected " +
                std::to_string(kCheckpointVersion));
   }
   if (checkpoint.weights_crc() != config.weights_crc) {
-    return Bad("it is of the weights " + Printable(checkpoint.weights(), kQuoted) +
+    return Bad("it was made with the weights " + Printable(checkpoint.weights(), kQuoted) +
                ", expected the contents of " + config.weights_name);
   }
   const auto& styles = config.network->model().styles;
@@ -77,15 +77,15 @@ Status CheckSame(const v1::Checkpoint& checkpoint, const RuntimeConfig& config) 
       styles.begin(), styles.end(), checkpoint.styles().begin(), checkpoint.styles().end(),
       [](const net::StyleInfo& here, const std::string& there) { return here.name == there; });
   if (!same_styles) {
-    return Bad("it is of " + std::to_string(checkpoint.styles_size()) + " styles, expected the " +
+    return Bad("it has " + std::to_string(checkpoint.styles_size()) + " styles, expected the " +
                std::to_string(styles.size()) +
-               " that are here, by the same names: import those that were made");
+               " of this daemon, by the same names: import the made styles");
   }
   const bool same_outputs =
       std::equal(config.outputs.begin(), config.outputs.end(), checkpoint.outputs().begin(),
                  checkpoint.outputs().end(),
                  [](const auto& here, const std::string& there) { return here->name == there; });
-  if (!same_outputs) return Bad("its [[output]] tables are others than those of this daemon");
+  if (!same_outputs) return Bad("its [[output]] tables differ from this daemon's");
   return Status::Ok();
 }
 
@@ -98,7 +98,7 @@ Status CheckWhole(const v1::Checkpoint& checkpoint) {
   constexpr std::size_t kSum = sizeof(decltype(Checksum({})));
   if (state.size() < kSum ||
       !std::ranges::equal(Checksum(state.first(state.size() - kSum)), state.last(kSum))) {
-    return Bad("its state is damaged: the checksum at its end is another");
+    return Bad("its state is damaged: the checksum at its end does not match");
   }
   return Status::Ok();
 }
@@ -127,7 +127,7 @@ Status ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& confi
   if (given.canonical_from_source_size() != 4 || given.rotations_size() % 4 != 0 ||
       !std::ranges::all_of(given.canonical_from_source(), sound) ||
       !std::ranges::all_of(given.rotations(), sound)) {
-    return Bad("its rest pose consists of no rotations");
+    return Bad("its rest pose does not consist of rotations");
   }
   const auto read = [](const auto& numbers, int at) {
     return rig::Quat(numbers[at + 3], numbers[at], numbers[at + 1], numbers[at + 2]);
@@ -166,11 +166,11 @@ Result<v1::Checkpoint> TakeCheckpoint(const std::string& id, Roster& roster, std
   Performer* const performer = profile == nullptr ? nullptr : roster.LiveOf(*profile);
   if (performer == nullptr) {
     return Refused(v1::CODE_UNKNOWN_PERFORMER,
-                   "performer \"" + Printable(id, kQuoted) + "\": expected one that is here");
+                   "performer \"" + Printable(id, kQuoted) + "\": expected one that is present");
   }
   if (!performer->binding().bound()) {
     return Refused(v1::CODE_NOT_READY,
-                   profile->id + ": no body of theirs is bound yet; expected one that is styled");
+                   profile->id + ": no body is bound yet; expected a performer that is styled");
   }
   v1::Checkpoint checkpoint = StateOf(*performer, roster.config(), now_ns);
   checkpoint.set_epoch(roster.epoch());

@@ -124,7 +124,7 @@ Result<Commands::Targets> Commands::Find(const std::string& performer) {
   if (profile == nullptr) {
     return Refused(v1::CODE_BUSY,
                    std::to_string(roster_.profiles.size()) +
-                       " performers have settings already; clear those of some who do not come");
+                       " performers have settings already; clear settings that you no longer need");
   }
   targets.profiles.push_back(profile);
   return targets;
@@ -320,7 +320,7 @@ Status Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
       first = std::move(status);
     }
   }
-  // A cue that changed nobody is not a success.
+  // A cue that changed no performer is not a success.
   if (!pinned.empty() && first.ok() && reply.applied().empty()) {
     return Refused(v1::CODE_PINNED,
                    "cue " + wanted.name() + ": " + pinned + ": pinned; unpin them first");

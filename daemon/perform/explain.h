@@ -8,7 +8,7 @@
 
 namespace styled::pipeline {
 
-// Executes an Explain request (control.proto): tells what became of a performer's last frames, each
+// Executes an Explain request (control.proto): returns the fates of a performer's last frames, each
 // with a sentence. Errors have a code. Pipeline thread; allocates.
 Status Explain(const std::string& performer, const v1::Explain& which,
                const Performance& performance, v1::ExplainReply& reply);

@@ -88,7 +88,7 @@ std::unique_ptr<Exchange> Takes::Pop(std::int64_t now_ns) {
   if (exchange->take.size() < ended->wanted) {
     const double shown_s = static_cast<double>(exchange->take.size()) * ended->step_ns * 1e-9;
     FillReply(Refused(v1::CODE_NOT_READY,
-                      "like: the performer's frames stopped or began anew after " +
+                      "like: the performer's frames stopped or restarted after " +
                           NumberText(static_cast<float>(shown_s), 1) + " s, expected " +
                           NumberText(exchange->request.like().learn_s()) + " s without a gap"),
               exchange->reply);

@@ -181,19 +181,18 @@ Standby::Change Standby::Note(Change change) {
 
 Status Standby::Read() {
   if (!in_.ParseFromString(bytes_) || bytes_.empty()) {
-    return Status::Error("it is no entry of a journal: is it a daemon's standby.address?");
+    return Status::Error("it is not an entry of a journal: is it a daemon's standby.address?");
   }
   if (in_.version() != kVersion) {
-    return Status::Error("it is of another version of the journal, " +
-                         std::to_string(in_.version()) + ": both daemons must be of one, " +
-                         std::to_string(kVersion));
+    return Status::Error("its version of the journal is " + std::to_string(in_.version()) +
+                         ", expected " + std::to_string(kVersion));
   }
   if (in_.now_ns() < 0 || in_.now_ns() > kMostTime_ns || in_.wall_ns() < 0 ||
       in_.wall_ns() > kMostTime_ns) {
     return Status::Error("its times are impossible");
   }
   if (in_.daemon() == daemon_) {
-    return Status::Error("standby.peer is this daemon itself, expected the other one");
+    return Status::Error("standby.peer is this daemon itself, expected the other daemon");
   }
   if (in_.daemon() == 0 || in_.number() == 0 || in_.number() > kMostNumber) {
     return Status::Error("its sender or number is impossible");
@@ -276,7 +275,7 @@ bool Standby::Next(Step& step) {
   const bool led = leads();
   const Change change = roles_.OnPeer(peer);
   // A daemon that takes the lead first receives this daemon's whole journal.
-  if (led && change == Change::kFollow) SayGoodbye();
+  if (led && change == Change::kFollow) SendGoodbye();
   step.change = Note(change);
   if (roles_.role() != v1::ROLE_FOLLOWING || step.change != Change::kNone) return true;
   if (in_.daemon() != roles_.leader()) return true;
@@ -314,7 +313,7 @@ Status Standby::RequestLead() {
   if (leads()) return Status::Ok();
   if (!ready()) {
     return pipeline::Refused(v1::CODE_NOT_READY,
-                             "lead: this daemon would not go on as the leader does: " + WhyNot());
+                             "lead: this daemon is not ready to take over: " + WhyNot());
   }
   roles_.RequestLead();
   (void)NewEntry();
@@ -323,10 +322,10 @@ Status Standby::RequestLead() {
 }
 
 void Standby::Leave() {
-  if (leads()) SayGoodbye();
+  if (leads()) SendGoodbye();
 }
 
-void Standby::SayGoodbye() {
+void Standby::SendGoodbye() {
   NewEntry().set_role(v1::ROLE_LEAVING);
   Send(Now_ns(), clock_.base().Wall_ns());
 }

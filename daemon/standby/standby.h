@@ -78,10 +78,10 @@ class Standby {
   // Call once a turn, after Next: applies the effects of silence, and sends heartbeats.
   Change OnTime();
   std::int64_t NextDeadline_ns() const { return sent_ns_ + beat_ns_; }
-  // Somebody wants this daemon to lead. Returns why it cannot, or "": it does so as soon as the
-  // leader has said goodbye, or is silent.
+  // Requests leadership (`stylectl lead`): this daemon leads as soon as the leader has said goodbye
+  // or is silent. The error has a code.
   Status RequestLead();
-  // Tells the other one that this daemon stops, so that it need not wait.
+  // Announces that this daemon stops, so that the peer takes over without waiting.
   void Leave();
 
   // For the leader. `epoch`: of its frames.
@@ -144,7 +144,7 @@ class Standby {
   static constexpr std::size_t kWindow = 600, kMostApart = kWindow / 100;
 
   Change Note(Change change);
-  // Reads the message in bytes_ into in_. Returns why it is none of the other daemon, or "".
+  // Parses bytes_ into in_. An error if it is not a message of the peer.
   Status Read();
   void Refuse(std::string why);
   void NotePair(const Peer& peer, std::int64_t now_ns);
@@ -152,7 +152,7 @@ class Standby {
   void CompareSetups();
   void NameTooLarge(std::size_t bytes);
   std::string WhyNot() const;
-  void SayGoodbye();
+  void SendGoodbye();
   std::int64_t Now_ns() const { return clock_.base().Now_ns(); }
 
   const config::Standby config_;

@@ -67,7 +67,7 @@ Result<FingerLayer::Body> FingerLayer::AcceptBody(const source::SourceFrame& fra
   if (crc_ == frame.body_crc) return Body::kSame;
   if (!admission_.MayChangeBody(now_ns)) {
     return Status::Error(
-        "the body changes again and again, expected twice a second at most: the last one stays");
+        "the body changes too often, expected at most twice a second: the last one stays");
   }
   crc_ = frame.body_crc;
   v1::Body body;

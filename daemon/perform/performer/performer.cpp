@@ -83,11 +83,11 @@ Status Performer::CalibrateNeutral(const v1::Calibrate& request) {
   }
   if (!styling_ || !admission.live()) {
     return Refused(v1::CODE_NOT_READY,
-                   profile.id + ": expected a performer whose frames come and are bound");
+                   profile.id + ": expected a performer with a bound body that sends frames");
   }
   if (!styling_->stylist().has_neutral()) {
     return Refused(v1::CODE_NOT_READY,
-                   "calibrate: these weights do not know how their performers stand and walk, or "
+                   "calibrate: these weights have no reference of how people stand and walk, or "
                    "[model] neutral is false; expected weights of version 3");
   }
   styling_->stylist().CalibrateNeutral(seconds);

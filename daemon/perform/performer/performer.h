@@ -47,7 +47,7 @@ class Performer {
                                        std::int64_t now_ns);
   // Executes Calibrate with `neutral` (control.proto).
   Status CalibrateNeutral(const v1::Calibrate& request);
-  // What the stylist knows of the performer's neutral goes into the profile, before either ends.
+  // Copies the stylist's knowledge of the performer's neutral into the profile, before either ends.
   void KeepNeutral();
   // The neutral to save; the profile's if there is no stylist.
   std::optional<KeptNeutral> TellNeutral() const;

@@ -112,7 +112,7 @@ class Viewer {
     return connected_ == 2;
   }
   // The longest time between two frames since the last call, ms.
-  double TakeLongest_ms() {
+  double PopLongest_ms() {
     const std::lock_guard lock(mutex_);
     return std::chrono::duration<double, std::milli>(std::exchange(longest_, {})).count();
   }
@@ -227,14 +227,14 @@ TEST_F(StandbyTest, ALeaderThatIsKilledAgainAndAgainTakesNoFrameWithIt) {
     Daemon& standby = Other(leader);
     ASSERT_TRUE(Becomes(standby, "following"));
     ASSERT_TRUE(viewer.HasBoth());
-    (void)viewer.TakeLongest_ms();
+    (void)viewer.PopLongest_ms();
     const std::size_t before = viewer.size();
     leader.child->Signal(SIGKILL);
     leader.child->Wait(5);
     ASSERT_TRUE(Becomes(standby, "leading"));
     for (int i = 0; i < 500 && viewer.size() < before + 60; ++i) Sleep(0.01);
     EXPECT_GE(viewer.size(), before + 60) << standby.Log();
-    std::printf("kill %d: %.0f ms without a frame\n", round + 1, viewer.TakeLongest_ms());
+    std::printf("kill %d: %.0f ms without a frame\n", round + 1, viewer.PopLongest_ms());
     EXPECT_THAT(standby.Log(), HasSubstr("leads from now on"));
     leader.Start();
   }
