@@ -12,13 +12,13 @@ namespace styled::config {
 // Checks that depend on the machine, for --check-config. Warnings concern resources that may appear
 // later (a missing network interface), the error concerns failures at start-up (a recording folder
 // that cannot be created). Reads the machine's interfaces and folders, changes nothing. Pinned by
-// tests/unit/daemon/config_test.cpp.
+// tests/unit/daemon/config/config_test.cpp.
 std::vector<std::string> MissingInterfaces(const Config& config);
 Status CheckRecordFolder(const std::string& file);
 
 // The memory of the daemon and of each performer at most, in bytes. Measured with the shipped
 // weights: 80 MB and 1.8 MB, of which the network's state has 1.6. Pinned, as the functions below,
-// by tests/unit/daemon/performer_memory_test.cpp.
+// by tests/unit/daemon/perform/performer/performer_memory_test.cpp.
 inline constexpr std::uint64_t kDaemonBytes = std::uint64_t{160} << 20;
 inline constexpr std::uint64_t kPerformerBytes = std::uint64_t{2} << 20;
 

@@ -9,7 +9,7 @@ namespace styled::control {
 // Translates an OSC message into a request; proto/styled/v1/OSC.md lists the messages. A message
 // that needs no action (a button's release, another daemon's /styled/error) gives a request without
 // a command. Errors name the address and the expected arguments. Pure; allocates. Pinned by
-// tests/unit/daemon/osc_test.cpp.
+// tests/unit/daemon/control/osc_test.cpp.
 Result<v1::Request> ReadOsc(const vmc::osc::Message& message);
 
 }  // namespace styled::control

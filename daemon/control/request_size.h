@@ -9,7 +9,7 @@ namespace styled::control {
 // of a checkpoint). A file is one string in memory, but 2 bytes of anything else, an empty entry of
 // a list, can take 60. Therefore the bytes are counted before the request is parsed. If the bytes
 // are not a message, all bytes from the fault on are counted. Reads the bytes once; does not
-// allocate; any thread. Pinned by tests/unit/daemon/request_size_test.cpp.
+// allocate; any thread. Pinned by tests/unit/daemon/control/request_size_test.cpp.
 struct RequestSize {
   std::size_t beside_file = 0;
   bool has_checkpoint = false;

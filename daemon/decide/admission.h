@@ -16,7 +16,7 @@ namespace styled::decide {
 // Decides which datagrams of a performer count. Holds their session and order, their lateness
 // (schedule), the limit of body changes, the silence after which the performer is stale, and the
 // refusals. One per performer, pipeline thread; only Describe allocates. Times are on the daemon's
-// monotonic clock. Pinned by tests/unit/daemon/admission_test.cpp.
+// monotonic clock. Pinned by tests/unit/daemon/decide/admission_test.cpp.
 class Admission {
  public:
   Session session;

@@ -18,7 +18,7 @@ namespace styled::decide {
 // so that a short interruption of the machine fades out no style. Styles return one by one, after
 // there has been room for one more for some time. This time doubles after each return that was too
 // early. Pipeline thread; reads no clock, allocates nothing. Pinned by
-// tests/unit/daemon/overload_test.cpp.
+// tests/unit/daemon/decide/overload_test.cpp.
 class Overload {
  public:
   // Frames that were processed together.

@@ -29,7 +29,7 @@ struct SessionRules {
 // that began the session. A sequence number far from the last one changes nothing while the
 // performer's own numbers continue. If they do not (the sender restarted under the same id, or its
 // counter jumped), a few consecutive numbers after a silence are accepted as the new count. Pinned
-// by tests/unit/daemon/session_test.cpp.
+// by tests/unit/daemon/decide/session_test.cpp.
 class Session {
  public:
   // The largest step of the sequence while the performer sends: 8.5 s at 120 Hz. After a silence

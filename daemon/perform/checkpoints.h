@@ -12,7 +12,7 @@
 namespace styled::pipeline {
 
 // Execute TakeCheckpoint and RestoreCheckpoint (control.proto) between two frames. Errors have a
-// code. Pipeline thread; allocate. Pinned by tests/unit/daemon/checkpoints_test.cpp.
+// code. Pipeline thread; allocate. Pinned by tests/unit/daemon/perform/checkpoints_test.cpp.
 
 // `now_ns`: monotonic; `wall_ns`: since 1970. The performer continues undisturbed.
 Result<v1::Checkpoint> TakeCheckpoint(const std::string& performer, Roster& roster,

@@ -31,8 +31,8 @@ struct Batch {
 // Processes frames from the rig to the subscribers: each frame is decided (decide::Decider), styled
 // together with those of other performers, serialized and sent; bodies are bound. From a
 // performer's second frame on, nothing between receive and zmq_send allocates, locks, logs or
-// throws (tests/realtime). Pipeline thread. Pinned by tests/unit/daemon/pipeline_test.cpp and
-// tests/golden.
+// throws (tests/realtime). Pipeline thread. Pinned by tests/unit/daemon/pipeline/pipeline_test.cpp
+// and tests/golden.
 class FrameProcessor {
  public:
   // `logs_poses`: frames in the log carry their styled pose, for a standby to compare.

@@ -17,7 +17,8 @@ namespace styled::pipeline {
 // second later, then after 2, 4, ... 64 s; after twice that time without a line it starts again.
 // Lines of new subjects pass 16 in succession and 2 a second per sending machine, and 64 in
 // succession and 8 a second in total, so invented names cannot exceed that or hide lines of another
-// machine. Bounded, no allocation; pipeline thread. Pinned by tests/unit/daemon/log_limit_test.cpp.
+// machine. Bounded, no allocation; pipeline thread. Pinned by
+// tests/unit/daemon/perform/log_limit_test.cpp.
 class LogLimit {
  public:
   enum class Kind : std::uint8_t {

@@ -25,7 +25,7 @@ namespace styled::pipeline {
 //   count while a daemon runs, over restarts ([state]): settings prepared on Friday are there on
 //   Monday.
 // - Settings of a performer that was present do not expire.
-// Pinned by tests/unit/daemon/roster_test.cpp.
+// Pinned by tests/unit/daemon/perform/roster_test.cpp.
 class Roster {
  public:
   // A week: longer than a show is prepared before its performers arrive, on a daemon that always

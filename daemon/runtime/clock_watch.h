@@ -28,7 +28,8 @@ struct ClockDiscipline {
 
 // Watches how this machine's wall clock is disciplined: by the kernel (ntp_adjtime) and by ptp4l's
 // management socket, which needs no library and no process. Update never blocks. One thread;
-// allocates in Update only when it connects. Pinned by tests/unit/daemon/clock_watch_test.cpp.
+// allocates in Update only when it connects. Pinned by
+// tests/unit/daemon/runtime/clock_watch_test.cpp.
 class ClockWatch {
  public:
   // ptp4l's sockets: the one for readers (since 4.0), and that of earlier versions, which only its

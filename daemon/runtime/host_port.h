@@ -14,7 +14,8 @@ struct HostPort {
   std::string host;
   std::uint16_t port = 0;
 };
-// Errors quote the text and name what was expected. Pinned by tests/unit/daemon/config_test.cpp.
+// Errors quote the text and name what was expected. Pinned by
+// tests/unit/daemon/config/config_test.cpp.
 Result<HostPort> ParseHostPort(std::string_view text);
 
 }  // namespace styled::runtime

@@ -14,7 +14,7 @@ namespace styled::runtime {
 // progress. That thread increments a number in each turn of its loop; WATCHDOG=1 is sent only when
 // the number has changed since the last check. A thread that hangs therefore leads to a restart of
 // the process, and long work on any other thread does not. Pinned by
-// tests/unit/daemon/sign_of_life_test.cpp and tests/hostile.
+// tests/unit/daemon/runtime/sign_of_life_test.cpp and tests/hostile.
 class SignOfLife {
  public:
   // The interval of the checks in milliseconds. The manager and tests see a sign of life at least

@@ -35,7 +35,7 @@ inline ClockReading ReadClocks(const Clock& clock) noexcept {
 }
 
 // Notices that the wall clock was set. A clock that NTP or PTP only steers runs evenly: both clocks
-// are steered together. One thread. Pinned by tests/unit/daemon/arrival_clock_test.cpp.
+// are steered together. One thread. Pinned by tests/unit/daemon/source/arrival_clock_test.cpp.
 class WallWatch {
  public:
   // Smaller steps are usual between synchronized machines and are not reported.

@@ -15,7 +15,7 @@ namespace styled::source {
 // which the socket was last seen empty and now. A timestamp outside this interval is tried with the
 // clocks' difference before the step. If it still does not fit, the datagram counts as arrived now.
 // One per socket; one thread; allocates nothing. Pinned by
-// tests/unit/daemon/arrival_clock_test.cpp.
+// tests/unit/daemon/source/arrival_clock_test.cpp.
 class ArrivalClock {
  public:
   // Call before each reading of the socket, with the clock's Now_ns().

@@ -22,7 +22,7 @@ struct Face {
 
 // Encodes the face as fields 18 and 19 of v1::SourceFrame, byte for byte as protobuf would. Returns
 // the number of bytes, or 0 if `to` is too small for all of them. Pure. Pinned against protobuf by
-// tests/unit/daemon/performer_stream_test.cpp.
+// tests/unit/daemon/source/performer_stream_test.cpp.
 STYLED_REALTIME std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept;
 
 // The part of an encoded face that holds the messages that are passed on: they follow the

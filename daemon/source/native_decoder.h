@@ -64,7 +64,7 @@ enum class [[nodiscard]] FrameResult : std::uint8_t {
 // content is not checked. Unknown fields are skipped;
 // the last one of a repeated scalar counts. Fills in everything but machine, session and sequence.
 // `frame` is unspecified unless kOk, and its views point into `payload`. Pure; any thread. Pinned
-// against protobuf by tests/unit/daemon/native_decoder_test.cpp.
+// against protobuf by tests/unit/daemon/source/native_decoder_test.cpp.
 STYLED_REALTIME FrameResult ReadSourceFrame(std::span<const std::byte> payload,
                                             SourceFrame& frame) noexcept;
 

@@ -12,7 +12,7 @@ namespace styled::source {
 
 // Limits log lines that a remote sender can trigger at will: `burst` lines at once, then one a
 // second. One object per kind of line; pipeline thread. Does not allocate. Pinned by
-// tests/unit/daemon/tcp_test.cpp.
+// tests/unit/daemon/source/tcp_test.cpp.
 class NoteLimit {
  public:
   explicit NoteLimit(int burst = 1) : burst_ns_((burst - 1) * runtime::kSecond_ns) {}

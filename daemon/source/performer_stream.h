@@ -20,7 +20,7 @@ namespace styled::source {
 // numbers, and sends the body before the first frame and again once a second
 // (proto/styled/v1/WIRE.md). Created when a performer is first seen; pipeline thread. Neither Send
 // nor Restart allocates once the body is set. Pinned by
-// tests/unit/daemon/performer_stream_test.cpp.
+// tests/unit/daemon/source/performer_stream_test.cpp.
 class PerformerStream {
  public:
   // `performer`: a valid name (MakeName).

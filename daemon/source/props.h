@@ -38,7 +38,7 @@ struct PropList {
 // Encodes the props as field 20 of v1::SourceFrame, byte for byte as protobuf would, as many as fit
 // into `to`; returns the number of bytes. A name is cut after the first byte that makes it too
 // long, so that ReadProps counts it. Pure. Pinned against protobuf by
-// tests/unit/daemon/props_test.cpp.
+// tests/unit/daemon/perform/performer/props_test.cpp.
 STYLED_REALTIME std::size_t EncodeProps(std::span<const Prop> props,
                                         std::span<std::byte> to) noexcept;
 

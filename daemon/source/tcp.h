@@ -17,7 +17,7 @@ namespace styled::source {
 // connection replaces the oldest one that never sent a record, otherwise the one that was silent
 // for longest, if for more than 5 s; when all of them send, the new one is refused. Each of these
 // events is counted, and logged at most once a second. With a translator the records are MVN's, the
-// only rig that streams over TCP. Pinned by tests/unit/daemon/tcp_test.cpp.
+// only rig that streams over TCP. Pinned by tests/unit/daemon/source/tcp_test.cpp.
 Result<std::unique_ptr<Transport>> MakeTcp(const config::Source& config, int source,
                                            runtime::Clock& clock, runtime::Counters& counters,
                                            std::unique_ptr<Translator> translator);

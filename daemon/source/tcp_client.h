@@ -42,7 +42,7 @@ class ServerTranslator : public Translator {
 // `max_record` and 64 KiB.
 //
 // `translator` must be a ServerTranslator. A recording gets whole records, each once. Errors name
-// the key and what was expected. Pinned by tests/unit/daemon/tcp_client_test.cpp.
+// the key and what was expected. Pinned by tests/unit/daemon/source/tcp_client_test.cpp.
 Result<std::unique_ptr<Transport>> MakeTcpClient(const config::Source& config, int source,
                                                  runtime::Clock& clock, runtime::Counters& counters,
                                                  std::unique_ptr<Translator> translator);

@@ -12,7 +12,7 @@
 // "distance", "example" (hash of the kept example, library.h) and "code". Unknown keys are
 // accepted, and dropped when the daemon writes the file, so that no file grows by being stored.
 // Memory and time in proportion to the text. Any thread; allocates. Pinned by
-// tests/e2e/style_library_test.cpp, tests/unit/daemon/style_file_test.cpp.
+// tests/e2e/style_library_test.cpp, tests/unit/daemon/styles/style_file_test.cpp.
 namespace styled::pipeline {
 
 inline constexpr std::size_t kMaxStyleFileBytes = std::size_t{1} << 20U;

@@ -8,7 +8,8 @@
 
 // An object in a hand: a sword that the rig tracks keeps its pose relative to the hand that holds
 // it, wherever a style moves that hand. Pure functions; any thread; no allocation. Pinned by
-// tests/unit/rig/grip_test.cpp and, through the daemon, tests/unit/daemon/props_test.cpp.
+// tests/unit/rig/grip_test.cpp and, through the daemon,
+// tests/unit/daemon/perform/performer/props_test.cpp.
 namespace styled::rig {
 
 // The hand that holds an object. kAuto: the hand near it, by its distance from the wrist.

@@ -22,7 +22,8 @@ namespace styled::pipeline {
 // and place do not matter. A joint keeps its last rotation for kHold_ns, then turns to the
 // performer's own within kFade_ns. When data returns, it turns to the source's rotation in the same
 // time. These times are counted on the performer's clock, so that a replay gives the same bits.
-// Only AcceptBody allocates. Pipeline thread. Pinned by tests/unit/daemon/finger_layer_test.cpp.
+// Only AcceptBody allocates. Pipeline thread. Pinned by
+// tests/unit/daemon/perform/merge/finger_layer_test.cpp.
 class FingerLayer : public MergedPart {
  public:
   // `wanted`: the joints used if the source has them. `names`: the source's joint names set by

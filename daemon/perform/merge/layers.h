@@ -51,7 +51,7 @@ struct Layer {
 
 // The layers of all sources. If two sources have the same part of one performer, the first one that
 // has data counts, for each finger separately. Pipeline thread. Pinned by
-// tests/unit/daemon/layers_test.cpp.
+// tests/unit/daemon/perform/merge/layers_test.cpp.
 class Layers {
  public:
   // Makes the layers of the sources with merge_into.

@@ -19,7 +19,8 @@ namespace styled::pipeline {
 
 // A performer's body: the rig's message, its binding to the canonical humanoid if the rest pose is
 // known, and its received poses. One per performer, pipeline thread. Everything but Receive
-// allocates. Pinned by tests/unit/daemon/pipeline_test.cpp and tests/e2e/calibrate_test.cpp.
+// allocates. Pinned by tests/unit/daemon/pipeline/pipeline_test.cpp and
+// tests/e2e/calibrate_test.cpp.
 class PerformerBinding {
  public:
   // Finger joints that the bound body has even where the rig's body lacks them (rig::WithFingers).

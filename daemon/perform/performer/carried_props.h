@@ -32,7 +32,7 @@ class EncodedProps {
 
 // The props of one performer's last frame, the hand that holds each, and their places on each
 // output. Made for a body; pipeline thread; only the constructor allocates. Pinned by
-// tests/unit/daemon/props_test.cpp.
+// tests/unit/daemon/perform/performer/props_test.cpp.
 class CarriedProps {
  public:
   // `hands`: the holding hand by a prop's name; other props are held by the hand near them.

@@ -13,7 +13,7 @@ namespace styled::pipeline {
 // Detects that a performer walks against the direction of the toes for longer than people walk
 // backwards, which means that the bound skeleton has left and right exchanged, or mirrored axes.
 // Judges the bound input (canonical axes, metres); one per performer. Allocates nothing. Pinned by
-// tests/unit/daemon/facing_test.cpp.
+// tests/unit/daemon/perform/performer/facing_test.cpp.
 class Facing {
  public:
   // Evaluates one frame, `dt_s` of source time after the last. Ignores steps that are not walking:

@@ -16,7 +16,7 @@ namespace styled::pipeline {
 // Applies the fingers of other sources to a performer's pose before it is styled, so that all later
 // steps treat them as the rig's own. If the rig has no fingers, PerformerBinding has added them to
 // its body, with the rotations of the T-pose. One per body, pipeline thread; only the constructor
-// allocates. Pinned by tests/unit/daemon/fingers_test.cpp.
+// allocates. Pinned by tests/unit/daemon/perform/performer/fingers_test.cpp.
 class Fingers {
  public:
   Fingers() = default;  // none

@@ -43,7 +43,7 @@ class RigPeriod {
 
 // How long the frames of a performer take from their arrival to the end of sending, and how many
 // take longer than the rig's period. 3 kB; one per performer, pipeline thread. Only Describe
-// allocates. Pinned by tests/unit/daemon/latency_test.cpp.
+// allocates. Pinned by tests/unit/daemon/perform/performer/latency_test.cpp.
 class Latency {
  public:
   RigPeriod rig;

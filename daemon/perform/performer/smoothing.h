@@ -14,7 +14,7 @@ namespace styled::pipeline {
 // poses: a low-pass whose cutoff grows with the speed, so that a body at rest does not jitter and a
 // fast one is not delayed. Each joint's local rotation is filtered by its angular speed, the root's
 // position by its speed. One per performer, pipeline thread; only the constructor allocates. Pinned
-// by tests/unit/daemon/smoothing_test.cpp.
+// by tests/unit/daemon/perform/performer/smoothing_test.cpp.
 class PoseSmoothing {
  public:
   PoseSmoothing() = default;  // leaves poses as they are
