@@ -37,7 +37,7 @@ struct Arguments {
   std::string what = "rig";
   std::vector<std::pair<const clip::Format*, std::string>> exports;  // the files to write
   std::uint64_t sequence = 0;  // explain: of this frame; 0: of all
-  double rate_hz = 0;                                                // 0: not given
+  double rate_hz = 0;          // 0: not given
   // jetstream, fetch
   stylenats::LinkOptions broker;
   std::string action, login, domain, site, from_time, to_time;

@@ -25,7 +25,7 @@ struct Tracker {
   friend bool operator==(const Tracker&, const Tracker&) = default;
 };
 
-// The One Euro filter on a source's poses (pipeline/performer/smoothing.h).
+// The One Euro filter on a source's poses (perform/performer/smoothing.h).
 struct Smoothing {
   float rest_hz = 0;       // cutoff at rest, Hz; 0: no filter
   float per_speed = 0.7F;  // how much the cutoff grows, Hz per rad/s of a joint

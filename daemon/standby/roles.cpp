@@ -50,7 +50,7 @@ Roles::Change Roles::OnPeer(const Peer& peer) {
         return Change::kNone;
       }
       if (leads) return Start(of_pair ? Change::kFollow : Change::kNone);
-      // The leader says goodbye, has restarted, or follows itself: its leadership has ended.
+      // The peer says goodbye, has restarted, or follows: its leadership has ended.
       silence_ns_ = std::max(waits_ns_, kLook_ns);
       return Change::kNone;
     case v1::ROLE_LEADING: {

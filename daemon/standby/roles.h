@@ -37,7 +37,7 @@ class Roles {
   // The same if a leader is present that receives another daemon. That other daemon may be the
   // previous start of this one, which the leader forgets after a second of silence.
   static constexpr std::int64_t kLookLonger_ns = 2'500'000'000;
-  // Heartbeats come every 200 ms however long the hold is (standby.cpp); one may be lost.
+  // Heartbeats come at least every 200 ms, however long the hold is (standby.cpp); one may be lost.
   static constexpr std::int64_t kLongestWait_ns = 500'000'000;
   // Beyond any real term: a takeover every 20 ms would reach it after three years. Peers with
   // higher terms are ignored, so that the term cannot wrap around.

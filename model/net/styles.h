@@ -20,9 +20,9 @@ inline constexpr int kMaxActive = 8;  // styles in effect: a mix and the one tha
 // of a strength, a style's weight, a mix's sum of weights
 inline constexpr float kMaxStrength = 1.5F;
 inline constexpr float kMaxTransition_s = 60.0F;  // of a style change
-// The fade of who asks for none: 0.4 threw an arm in one switch of nine and made small changes
-// late; 0.1 with the limit of the stylist's low-pass (model/stylist/tuning.h) does not. look.proto
-// states it, too, and the page (tests/documents/test_look.py).
+// The default fade of a change: 0.4 threw an arm in one switch of nine and made small changes late;
+// 0.1 with the limit of the stylist's low-pass (model/stylist/tuning.h) does not. look.proto states
+// it, too, and the page (tests/documents/test_look.py).
 inline constexpr float kUsualTransition_s = 0.1F;
 // Of a style, numbered from 1, where the network has variations; 0 is the style itself.
 inline constexpr int kVariations = 99;

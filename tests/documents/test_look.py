@@ -37,7 +37,7 @@ def listed_by_page(source):
 
 def written_by_unity(source):
     """The field numbers of the Look that SetStyle and Clear write."""
-    calls = re.search(r'Dictionary<string, ulong> SetStyle\(.*?(?=/// <summary>Everyone to bypass)', source, re.DOTALL).group(0)
+    calls = re.search(r'Dictionary<string, ulong> SetStyle\(.*?(?=/// <summary>Sets all performers to bypass)', source, re.DOTALL).group(0)
     outer = re.sub(r'new WireWriter\(\)\.Text\(1, style\)\.Float\(2, 1\)\.Bytes', '', calls)  # a StyleWeight
     outer = re.sub(r'Request\(performer\)\.Message\(4,', '', outer)  # a Request
     return {int(number) for number in re.findall(r'\.(?:Message|Text|Float|Number)\((\d+),', outer)}

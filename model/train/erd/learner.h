@@ -23,7 +23,8 @@
 
 namespace styled::train::style_erd {
 
-// What the critic sees, and what the classifier of contents sees: the first of a frame's features.
+// Numbers of a frame's first features that are the input of the critic, and of the classifier of
+// contents.
 inline constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
 inline constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
 

@@ -6,8 +6,8 @@
 
 namespace styled::judge {
 
-// A live network that knows a space of styles, by what Stylist makes of it at 120 Hz: a target's
-// code is added to it as one more style, as the daemon does for an example. Pinned by
+// A live network with a space of styles, judged by the output of Stylist at 120 Hz: a target's code
+// is added to it as one more style, as the daemon does for an example. Pinned by
 // tests/unit/judge/restyler_test.cpp.
 class LiveRestyler final : public Restyler {
  public:

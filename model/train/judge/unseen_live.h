@@ -5,8 +5,8 @@
 
 namespace styled::judge {
 
-// What one style of a live network's space makes of a recorded clip, against the example of this
-// style and against a constant offset from the same clips. Poses at kJudgeRate_hz; the first
+// The effect of one style of a live network's space on a recorded clip, compared with the example
+// of this style and with a constant offset from the same clips. Poses at kJudgeRate_hz; the first
 // kSettling frames of the output do not count. Pinned by tests/unit/judge/unseen_test.cpp.
 struct LiveUnseenFigures {
   Expression network, offset;  // of mean poses, as in UnseenFigures

@@ -11,9 +11,9 @@
 
 namespace styled::judge {
 
-// What a style does to a clip of anybody, as pure functions of poses (metres, y up): how much of it
-// is to be seen, and which of several styles it is. Needs no judge that was trained on somebody.
-// Pinned by tests/unit/judge/visible_test.cpp.
+// The effect of a style on a clip of any performer, as pure functions of poses (metres, y up): how
+// much of it is visible, and which of several styles it is. Needs no trained judge. Pinned by
+// tests/unit/judge/visible_test.cpp.
 
 using stylist::kVisibleLimbs;
 // A style that moves none of these by this on average is faint (stylist::IsUnseen: not visible).

@@ -65,7 +65,7 @@ Status Check(const Config& config) {
   if (config.init.empty()) {
     return Status::Error("--init is needed, the weights of family st-gcn to learn from");
   }
-  constexpr double kMostLead_s = 0.5;  // the student sees nothing of what comes
+  constexpr double kMostLead_s = 0.5;  // the student sees no later frames
   if (!(config.lead_s >= 0 && config.lead_s <= kMostLead_s)) {
     return RefuseNumber("--lead", config.lead_s, "seconds from 0 to 0.5");
   }

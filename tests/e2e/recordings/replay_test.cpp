@@ -249,8 +249,7 @@ TEST_F(ReplayTest, ErrorsAreNamed) {
   EXPECT_EQ(Styled({"--replay", published, "--replay-to", out, "--config", folder_ / "one.toml",
                     "--weights", weights_}),
             1);
-  EXPECT_NE(output_.find(published + ": found no data from a rig"), std::string::npos)
-      << output_;
+  EXPECT_NE(output_.find(published + ": found no data from a rig"), std::string::npos) << output_;
   WriteText(folder_ / "other.toml",
             "[[source]]\nname = \"other\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n");
   EXPECT_EQ(Styled({"--replay", take_, "--replay-to", out, "--config", folder_ / "other.toml",
