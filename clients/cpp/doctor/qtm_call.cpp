@@ -129,7 +129,7 @@ class QtmCall final : public Listener {
       if (answers_.text.empty()) answers_.text = Printable(text, 80);
       return;
     }
-    if (qtm::TakesVersion(text)) {
+    if (qtm::AcceptsVersion(text)) {
       answers_.minor = asked_minor_;
       return Ask("GetParameters Skeleton");
     }
