@@ -47,7 +47,7 @@ void Watch::Run() {
     if (canary_) ReadCanary();
     if (clock_.Now_ns() < look_ns) continue;
     look_ns = clock_.Now_ns() + runtime::kSecond_ns;
-    FindStalled();
+    CheckStalled();
   }
 }
 
@@ -75,7 +75,7 @@ void Watch::ReadCanary() {
   period_ns_ = std::clamp(std::min(longer_ns, half_full_ns), kShortest_ns, kLongest_ns);
 }
 
-void Watch::FindStalled() {
+void Watch::CheckStalled() {
   std::vector<std::string> fresh, recovered;
   stalled_.Look(fresh, recovered);
   counters_.Add(Counter::kPublishStalled, fresh.size());

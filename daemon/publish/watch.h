@@ -32,7 +32,7 @@ class Watch {
   void Run();
   void Wait(std::int64_t wait_ns);
   void ReadCanary();
-  void FindStalled();
+  void CheckStalled();
 
   std::unique_ptr<Canary> canary_;
   std::int64_t high_water_mark_;

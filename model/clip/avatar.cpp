@@ -27,8 +27,8 @@ rig::RigPose RestOf(const rig::Binding& binding) {
   return pose;
 }
 
-Result<rig::Binding> BindGltf(const std::string& file, const rig::JointNames& given,
-                              AvatarSkeleton& avatar) {
+Result<rig::Binding> BindGltfFile(const std::string& file, const rig::JointNames& given,
+                                  AvatarSkeleton& avatar) {
   auto read = ReadGltfSkeleton(file, given);
   if (!read.ok()) return read.status();
   const GltfSkeleton& gltf = read.value();
@@ -44,8 +44,8 @@ Result<rig::Binding> BindGltf(const std::string& file, const rig::JointNames& gi
   return binding;
 }
 
-Result<rig::Binding> BindBvh(const std::string& file, const std::string& dialect,
-                             const rig::JointNames& given, AvatarSkeleton& avatar) {
+Result<rig::Binding> BindBvhFile(const std::string& file, const std::string& dialect,
+                                 const rig::JointNames& given, AvatarSkeleton& avatar) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 28;  // far above a skeleton's size
   constexpr const char* kExpected = ", expected an avatar's BVH file";
   const auto opened = InputFile::Open(file, kExpected);
@@ -78,8 +78,8 @@ Result<AvatarSkeleton> ReadAvatar(const std::string& file, const std::string& di
   std::string extension = std::filesystem::path(file).extension();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   AvatarSkeleton avatar;
-  auto binding =
-      extension == ".bvh" ? BindBvh(file, dialect, given, avatar) : BindGltf(file, given, avatar);
+  auto binding = extension == ".bvh" ? BindBvhFile(file, dialect, given, avatar)
+                                     : BindGltfFile(file, given, avatar);
   if (!binding.ok()) return binding.status();
   avatar.binding = std::make_shared<const rig::Binding>(std::move(binding.value()));
   avatar.rest = RestOf(*avatar.binding);

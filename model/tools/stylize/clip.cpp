@@ -51,7 +51,7 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
 }
 
 // Reports how near an example is to the training data.
-void PrintNearest(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
+void PrintDistance(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
   constexpr float kFar = 1;  // the mean distance between styles
   net::StyleRequest alone;
   alone.sources.push_back({-1, {}, example.poses, 1});
@@ -160,7 +160,7 @@ Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& mode
 
 void PrintNearest(const Examples& examples, const net::Styles& styles,
                   const net::StyleSpace& space) {
-  for (const Example& example : examples) PrintNearest(example, styles, space);
+  for (const Example& example : examples) PrintDistance(example, styles, space);
 }
 
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,

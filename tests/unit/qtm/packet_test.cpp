@@ -105,9 +105,9 @@ TEST(QtmText, ServerTextIsKnownInAnyCaseOfLetters) {
   EXPECT_FALSE(IsGreeting("QTM RT Interface"));
   EXPECT_FALSE(IsGreeting("220 ftp"));
   EXPECT_FALSE(IsGreeting(""));
-  EXPECT_TRUE(TakesVersion("Version set to 1.25"));
-  EXPECT_TRUE(TakesVersion("version SET to 1.19"));
-  EXPECT_FALSE(TakesVersion("Version NOT supported"));
+  EXPECT_TRUE(AcceptsVersion("Version set to 1.25"));
+  EXPECT_TRUE(AcceptsVersion("version SET to 1.19"));
+  EXPECT_FALSE(AcceptsVersion("Version NOT supported"));
 }
 
 }  // namespace
