@@ -191,7 +191,7 @@ Vec3 AxisBetween(const std::vector<Vec3>& places, int from, int to) {
 
 // Derives the axes from the T-pose, and the unit if it is not given, as the daemon's binding does
 // (daemon/perform/performer/body_binding.cpp).
-void LookAtRest(Take& take) {
+void ReadRest(Take& take) {
   const auto& skeleton = take.skeleton;
   rig::BindingSpec spec;
   spec.skeleton = skeleton;

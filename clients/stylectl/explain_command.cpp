@@ -50,7 +50,7 @@ nlohmann::json FateJson(const v1::FrameFate& fate) {
 void Print(Session& session, const v1::ExplainReply& reply) {
   if (!session.json) {
     session.out << ExplainLines(
-        {reply.frames().data(), reply.frames().data() + reply.frames_size()});
+        std::vector<v1::FrameFate>(reply.frames().begin(), reply.frames().end()));
     return;
   }
   nlohmann::json object{{"ok", true}, {"frames", nlohmann::json::array()}};
