@@ -27,8 +27,9 @@ const rig::TailSet kBoth = kLeft | rig::FingersOf(body::kRightHand);
 struct Given {
   explicit Given(float degrees, const rig::TailSet& joints = kBoth)
       : glove(joints), layer(kBoth, {}, {}) {
-    std::string why;
-    EXPECT_EQ(layer.Accept(glove.Body(), 0, why), FingerLayer::Body::kBound) << why;
+    const auto accepted = layer.AcceptBody(glove.Body(), 0);
+    EXPECT_TRUE(accepted.ok() && accepted.value() == FingerLayer::Body::kBound)
+        << accepted.status().message();
     glove.Of(kIndex) = Bent(degrees);
   }
   void Send() { EXPECT_EQ(layer.Accept(glove.Frame(), now_ns += 10 * kMs), MergedPart::kAccepted); }
