@@ -27,6 +27,7 @@ constexpr int kBadArguments = 2;
 
 struct Arguments {
   std::string config_file, check_file, weights, ready_file, replay, replay_to;
+  bool as_decided = false;
   std::vector<std::string> settings;
 };
 
@@ -46,6 +47,9 @@ int Parse(int argc, char** argv, Arguments& arguments) {
   auto* const replay_to =
       app.add_option("--replay-to", arguments.replay_to,
                      "with --replay: file for the recording of the published frames");
+  app.add_flag("--as-decided", arguments.as_decided,
+               "with --replay: frames are late, skipped or without style as they were then")
+      ->needs(replay);
   replay->needs(replay_to);
   replay_to->needs(replay);
   app.set_version_flag("--version", STYLED_VERSION);
@@ -116,8 +120,8 @@ int Replay(const Arguments& arguments, const styled::Origin& origin) {
                           ? styled::replay::ConfigOf(*reader.value(), origin.overrides)
                           : styled::config::Load(origin.file, origin.overrides);
   if (!config.ok()) return Refuse(config.status().message(), kBadArguments);
-  const auto summary =
-      styled::replay::ReplayToFile(*reader.value(), config.value(), arguments.replay_to);
+  const auto summary = styled::replay::ReplayToFile(*reader.value(), config.value(),
+                                                    arguments.replay_to, arguments.as_decided);
   if (!summary.ok()) return Refuse(summary.status().message(), kFailed);
   std::cout << "styled: " << summary.value() << "\n";
   return 0;

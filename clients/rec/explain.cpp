@@ -1,5 +1,6 @@
 // explain: the fates of the frames of a recording, and their causes.
 #include "proto/styled/explain.h"
+#include "proto/styled/v1/frame.pb.h"
 
 #include <map>
 #include <string>
@@ -19,6 +20,14 @@ std::vector<v1::FrameFate> Read(recording::Reader& reader, const Arguments& argu
   while (reader.Next(record)) {
     for (const v1::FrameFate& fate : record.decided().frames()) {
       if (fate.performer() != arguments.performer) continue;
+      if (arguments.sequence == 0 || arguments.sequence == fate.sequence()) fates.push_back(fate);
+    }
+    for (const v1::Applied& stale : record.decided().silence().stale()) {
+      if (stale.performer() != arguments.performer) continue;
+      v1::FrameFate fate;
+      fate.set_fate(v1::FATE_STYLED);
+      fate.set_sequence(stale.first_sequence());
+      fate.set_flags(v1::FLAG_STALE);
       if (arguments.sequence == 0 || arguments.sequence == fate.sequence()) fates.push_back(fate);
     }
   }

@@ -117,6 +117,13 @@ void Recorder::OnFrames(int source, std::span<const decide::FrameInTransit> fram
   if (fates_.frames_size() > 0) (void)thread_->PushDecided(receive_ns, fates_);
 }
 
+void Recorder::OnSilence(std::int64_t now_ns, const v1::Silence& silence) {
+  if (Paused()) return;
+  recording::Decided decided;
+  *decided.mutable_silence() = silence;
+  (void)thread_->PushDecided(now_ns, decided);
+}
+
 void Recorder::OnReload(std::int64_t now_ns, std::string_view weights) {
   if (!Paused()) (void)thread_->PushNote(now_ns, "reloaded: weights " + std::string(weights));
 }

@@ -46,6 +46,7 @@ class Recorder final : public Writer {
   // These allocate. OnRequest records only requests that changed something.
   void OnFrames(int source, std::span<const decide::FrameInTransit> frames, std::int64_t receive_ns,
                 std::int64_t wall_ns) override;
+  void OnSilence(std::int64_t now_ns, const v1::Silence& silence) override;
   void OnRequest(std::int64_t now_ns, const v1::Request& request, const v1::Reply& reply) override;
   void OnReload(std::int64_t now_ns, std::string_view weights) override;
 

@@ -28,6 +28,15 @@ struct Batch {
   std::span<const decide::FrameInTransit> leaders{};
 };
 
+// Decisions that were made elsewhere, by the daemon that made a recording. Pipeline thread.
+class RecordedDecisions {
+ public:
+  virtual ~RecordedDecisions() = default;
+  // The decision of each of these frames, for Batch::leaders; empty if one of them is unknown.
+  virtual std::span<const decide::FrameInTransit> Of(
+      int source, std::span<const source::SourceFrame> frames) = 0;
+};
+
 // Processes frames from the rig to the subscribers: each frame is decided (decide::Decider), styled
 // together with those of other performers, serialized and sent; bodies are bound. From a
 // performer's second frame on, nothing between receive and zmq_send allocates, locks, logs or

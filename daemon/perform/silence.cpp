@@ -16,4 +16,21 @@ bool SendStale(Performance& performance, Performer& performer, std::int64_t now_
   return true;
 }
 
+void PerformSilence(Performance& performance, const v1::Silence& silence, std::int64_t now_ns) {
+  Roster& roster = performance.roster;
+  const auto live = [&roster](const std::string& id) {
+    Profile* const profile = roster.FindProfile(id);
+    return profile == nullptr ? nullptr : roster.LiveOf(*profile);
+  };
+  for (const v1::Applied& stale : silence.stale()) {
+    Performer* const performer = live(stale.performer());
+    if (performer == nullptr) continue;
+    performer->profile.next_sequence = stale.first_sequence();
+    SendStale(performance, *performer, now_ns);
+  }
+  for (const std::string& id : silence.forgotten()) {
+    if (Performer* const performer = live(id); performer != nullptr) roster.Forget(*performer);
+  }
+}
+
 }  // namespace styled::pipeline

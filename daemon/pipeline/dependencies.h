@@ -2,6 +2,7 @@
 
 #include "daemon/log/recorder.h"
 #include "daemon/looks/mailboxes.h"
+#include "daemon/perform/frame_processor.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
@@ -27,7 +28,11 @@ struct Dependencies {
   // depends on the measured time of styling.
   bool relieves = false;
 
+  RecordedDecisions* decisions = nullptr;  // null: frames are decided here
+
   bool leads() const { return standby == nullptr || standby->leads(); }
+  // Whether this daemon decides which performers are silent.
+  bool decides_silence() const { return leads() && decisions == nullptr; }
 };
 
 }  // namespace styled::pipeline

@@ -5,6 +5,7 @@
 #include "daemon/looks/refusal.h"
 #include "daemon/perform/load_balance.h"
 #include "daemon/perform/requests.h"
+#include "daemon/perform/silence.h"
 
 namespace styled::pipeline {
 namespace {
@@ -88,7 +89,15 @@ bool Pipeline::Drained(bool worked) {
 
 void Pipeline::OnFrames(int source, std::span<const source::SourceFrame> frames,
                         bool more_waiting) {
-  (void)frames_.Process({.source = source, .frames = frames, .more_waiting = more_waiting});
+  Batch batch{.source = source, .frames = frames, .more_waiting = more_waiting};
+  if (dependencies_.decisions != nullptr) {
+    batch.leaders = dependencies_.decisions->Of(source, frames);
+  }
+  (void)frames_.Process(batch);
+}
+
+void Pipeline::OnSilence(const v1::Silence& silence) {
+  PerformSilence(performance_, silence, performance_.clock.Now_ns());
 }
 
 int Pipeline::DoCommands() {

@@ -51,6 +51,9 @@ class Pipeline final : public Worker, public source::Receiver {
   // else null.
   std::unique_ptr<std::vector<Profile>> PopUnsaved();
 
+  // Performs a recorded silence. With Dependencies::decisions only.
+  void OnSilence(const v1::Silence& silence);
+
   int DoWork() override;
   std::int64_t NextDeadline_ns() const override;
   bool Expects(std::int64_t now_ns) const override { return timers_.Expects(now_ns); }

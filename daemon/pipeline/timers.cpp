@@ -30,7 +30,7 @@ std::int64_t ForgottenAt_ns(const Performer& performer, const config::Performers
 
 std::int64_t Timers::NextDeadline_ns(std::int64_t batch_ns) const {
   std::int64_t next_ns = stats_.due_ns();
-  if (!dependencies_.leads()) return next_ns;  // only the leader decides on silence
+  if (!dependencies_.decides_silence()) return next_ns;  // only the leader decides on silence
   const auto& limits = performance_.roster.config().performers;
   for (const auto& performer : performance_.roster.performers) {
     const std::int64_t silent_ns = performer->admission.live() ? StaleAt_ns(*performer, limits)
@@ -66,7 +66,8 @@ void Timers::Prepare(Performer& performer, std::int64_t now_ns, std::int64_t bat
 
 int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
   int work = 0;
-  if (dependencies_.leads()) {  // a standby does it when the journal says that the leader did
+  if (dependencies_
+          .decides_silence()) {  // a standby does it when the journal says that the leader did
     auto& performers = performance_.roster.performers;
     for (std::size_t i = 0; i < performers.size();) {
       const std::size_t count = performers.size();

@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "daemon/config/sources.h"
@@ -200,6 +201,51 @@ std::shared_ptr<const pipeline::RuntimeConfig> WithoutLibrary(
   return without;
 }
 
+// The recorded decisions about frames that are yet to be played, by the frame's numbers.
+class Decisions final : public pipeline::RecordedDecisions {
+ public:
+  explicit Decisions(std::vector<std::string> source_names)
+      : source_names_(std::move(source_names)) {}
+
+  void Add(const recording::Decided& decided) {
+    for (const v1::FrameFate& fate : decided.frames()) {
+      fates_[{fate.performer(), fate.source_sequence(), fate.is_body()}].push_back(fate);
+    }
+  }
+  std::span<const decide::FrameInTransit> Of(int source,
+                                             std::span<const source::SourceFrame> frames) override {
+    found_.clear();
+    for (const source::SourceFrame& frame : frames) {
+      const Key key{
+          source_names_[static_cast<std::size_t>(source)] + "." + std::string(frame.performer),
+          frame.sequence, frame.is_body};
+      const auto fate = fates_.find(key);
+      if (fate == fates_.end()) return {};
+      found_.push_back(DecidedAs(fate->second.front()));
+      fate->second.pop_front();
+      if (fate->second.empty()) fates_.erase(fate);
+    }
+    return found_;
+  }
+
+ private:
+  // Performer, the sender's number, whether it is a body.
+  using Key = std::tuple<std::string, std::uint64_t, bool>;
+
+  static decide::FrameInTransit DecidedAs(const v1::FrameFate& fate) {
+    decide::FrameInTransit frame;
+    frame.decision.fate = fate.fate();
+    frame.decision.late = (fate.flags() & v1::FLAG_LATE) != 0;
+    frame.decision.relieved = fate.relieved();
+    frame.decision.sequence = fate.sequence();
+    return frame;
+  }
+
+  std::vector<std::string> source_names_;
+  std::map<Key, std::deque<v1::FrameFate>> fates_;
+  std::vector<decide::FrameInTransit> found_;  // of the last call
+};
+
 class Player {
  public:
   Player(const config::Config& config,
@@ -226,20 +272,35 @@ class Player {
             source::MakeDelayed(std::move(transports.back()), source.delay_s, clock_);
       }
     }
+    pipeline::Dependencies dependencies{clock_,  counters, collector_, mailboxes_,
+                                        nullptr, false,    false};
+    if (options.decided) {
+      decisions_ = std::make_unique<Decisions>(names);
+      dependencies.decisions = decisions_.get();
+    }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline::Dependencies{clock_, counters, collector_, mailboxes_, nullptr, false, false},
-        std::move(names), std::move(transports), runtime_config_, 1, kSubscriptions);
+        dependencies, std::move(names), std::move(transports), runtime_config_, 1, kSubscriptions);
     pipeline_->SetLayers(config.sources);
     pipeline_->Restore(options.profiles);
   }
 
   Status Play(const recording::Record& record) {
+    if (record.has_decided() && decisions_ == nullptr) return Status::Ok();
     PassTimeUntil(record.time_ns());
-    if (record.has_arrival()) {
+    if (record.decided().has_silence()) {
+      pipeline_->OnSilence(record.decided().silence());
+    } else if (record.has_decided()) {
+      decisions_->Add(record.decided());
+      Deliver(record.decided().source());
+    } else if (record.has_arrival()) {
       const auto found = sources_.find(KeyOf(record.arrival().source(), record.arrival().type()));
       if (found == sources_.end()) {
         return Status::Error("arrival of source " + record.arrival().source() + " (" +
                              record.arrival().type() + "), which is not in the configuration");
+      }
+      if (decisions_ != nullptr) {
+        undecided_.push_back(record.arrival());
+        return Status::Ok();
       }
       found->second->Push(record.arrival());
     } else if (record.has_command() && commands_) {
@@ -256,9 +317,24 @@ class Player {
     return Status::Ok();
   }
   // Continues for 0.2 s after the last record, for the work that is due by time.
-  void Finish() { PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5); }
+  void Finish() {
+    Deliver("");
+    PassTimeUntil(clock_.now_ns + runtime::kSecond_ns / 5);
+  }
 
  private:
+  // Hands over the arrivals of a source, or of all with "", whose decisions are known by now.
+  void Deliver(const std::string& source) {
+    for (auto arrival = undecided_.begin(); arrival != undecided_.end();) {
+      if (!source.empty() && arrival->source() != source) {
+        ++arrival;
+        continue;
+      }
+      sources_.at(KeyOf(arrival->source(), arrival->type()))->Push(*arrival);
+      arrival = undecided_.erase(arrival);
+    }
+    Work();
+  }
   // Replaces the supervisor.
   void DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
     auto made = style_requests_.Do(*runtime_config_, *exchange);
@@ -294,6 +370,8 @@ class Player {
   std::shared_ptr<const pipeline::RuntimeConfig> runtime_config_;
   pipeline::StyleRequests style_requests_;
   std::map<std::string, Recorded*> sources_;
+  std::unique_ptr<Decisions> decisions_;      // with Options::decided
+  std::deque<recording::Arrival> undecided_;  // arrivals before the decisions about them
   std::unique_ptr<pipeline::Pipeline> pipeline_;
 };
 
@@ -372,7 +450,7 @@ Status Replay(recording::Reader& reader, const config::Config& config,
 }
 
 Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config& config,
-                                 const std::string& file) {
+                                 const std::string& file, bool decided) {
   std::uint32_t crc = 0;
   auto runtime_config = pipeline::MakeRuntimeConfig(config, nullptr, crc);
   if (!runtime_config.ok()) return runtime_config.status();
@@ -381,6 +459,7 @@ Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config
   const auto label = pipeline::LabelOf(config.model, weights.value());
   if (!label.ok()) return label.status();
   Options options;
+  options.decided = decided;
   auto profiles = pipeline::ParseProfiles(reader.header().state(), reader.name() + ": its state");
   if (!profiles.ok()) return profiles.status();
   options.profiles = std::move(profiles.value());

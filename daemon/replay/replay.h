@@ -17,8 +17,13 @@
 namespace styled::replay {
 
 struct Options {
-  std::string subscription;                 // publishes the topics that begin with this
-  bool commands = true;                     // execute the recorded commands again
+  std::string subscription;  // publishes the topics that begin with this
+  bool commands = true;      // execute the recorded commands again
+  // Performs the decisions of the daemon that made the recording (recording::Decided), as a standby
+  // performs its leader's: the same frames are published, late, skipped or without style, under the
+  // same numbers. Otherwise, and where the recording has no decision, frames are decided again, as
+  // on a machine that is always in time.
+  bool decided = false;
   std::vector<pipeline::Profile> profiles;  // the settings in force at the beginning
 };
 
@@ -49,6 +54,6 @@ bool IsOfTheMotion(runtime::Counter counter);
 // text with duration, number of messages and counters, and a warning if the recording was made with
 // other weights.
 Result<std::string> ReplayToFile(recording::Reader& reader, const config::Config& config,
-                                 const std::string& file);
+                                 const std::string& file, bool decided = false);
 
 }  // namespace styled::replay

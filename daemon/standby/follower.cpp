@@ -162,21 +162,8 @@ void Follower::OnBatch(const v1::Batch& batch, std::int64_t own_ns) {
 }
 
 void Follower::OnSilence(const v1::Silence& silence, std::int64_t own_ns) {
-  for (const v1::Applied& stale : silence.stale()) {
-    Profile* const profile = performance_.roster.FindProfile(stale.performer());
-    Performer* const performer =
-        profile == nullptr ? nullptr : performance_.roster.LiveOf(*profile);
-    if (performer == nullptr) continue;
-    profile->next_sequence = stale.first_sequence();
-    SendStale(performance_, *performer, own_ns);
-  }
-  for (const std::string& id : silence.forgotten()) {
-    Profile* const profile = performance_.roster.FindProfile(id);
-    Performer* const performer =
-        profile == nullptr ? nullptr : performance_.roster.LiveOf(*profile);
-    if (performer != nullptr) performance_.roster.Forget(*performer);
-    standby_.last.erase(id);
-  }
+  PerformSilence(performance_, silence, own_ns);
+  for (const std::string& id : silence.forgotten()) standby_.last.erase(id);
 }
 
 void Follower::OnRequest(const v1::Request& request) {

@@ -167,6 +167,47 @@ TEST_F(ReplayTest, SeveralRigsComeOutAsTheyDidAndTheSameAtEveryRun) {
   EXPECT_EQ(last.styles(0).style(), "style3");
 }
 
+// A daemon that stood still for a while skips frames and publishes late ones: a replay decides
+// again, as a machine in time would, or performs the decisions of that daemon.
+TEST_F(ReplayTest, AsDecidedFramesAreLateAndSkippedAsTheyWere) {
+  const std::string topic = "styled/rig.a/canonical/", weights = folder_ / "weights.safetensors";
+  std::vector<v1::Frame> live;
+  {
+    Daemon daemon({"record.file=" + take_, "style.initial=style2"});
+    Subscriber subscriber(daemon.publish, {"body/", topic});
+    const UdpLink link(daemon.udp);
+    Rig rig("a");
+    link.Send(rig.Body());
+    ASSERT_TRUE(subscriber.WaitForBody());
+    const auto send = [&](int frames) { Paced(frames, 120, [&](int) { link.Send(rig.Frame()); }); };
+    send(120);
+    daemon.child->Signal(SIGSTOP);
+    send(60);
+    daemon.child->Signal(SIGCONT);
+    send(120);
+    ControlClient control(daemon.control);
+    ASSERT_GT(control.CounterSoon("pipeline.backlog_dropped", 1), 0U);
+    Sleep(0.2);
+    live = subscriber.Frames(topic);
+    std::filesystem::copy_file(daemon.folder / "weights.safetensors", weights);
+  }
+  const auto replay = [&](const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"--replay",  take_,   "--replay-to", folder_ / name,
+                                       "--weights", weights, "--set",       "style.initial=style2"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(Styled(arguments), 0) << output_;
+    return Read(folder_ / name).at("rig.a canonical");
+  };
+  const auto decided = replay("decided.styrec", {"--as-decided"});
+  ASSERT_EQ(decided.size(), live.size());
+  ExpectSame(Digests(decided), Digests(live), "as decided");
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    ASSERT_EQ(decided[i].sequence(), live[i].sequence()) << i;
+    ASSERT_EQ(decided[i].flags() & v1::FLAG_LATE, live[i].flags() & v1::FLAG_LATE) << i;
+  }
+  EXPECT_GT(replay("again.styrec", {}).size(), live.size()) << "in time, no frame is skipped";
+}
+
 // Gloves that fall silent: held and fading fingers are counted on the performer's clock.
 TEST_F(ReplayTest, FingersOfGlovesComeOutAsTheyDid) {
   const std::string topic = "styled/rig.a/canonical/";
