@@ -7,8 +7,8 @@
 
 namespace styled {
 
-// The outcome of a start-up step: ok, or a message that names the file, the place in it, the value
-// found and what was expected. Used for configuration and files only; errors in frames are an enum.
+// The outcome of a step off the hot path: ok, or a message that names the place (file, key, command),
+// the value found and what was expected. Errors in frames are an enum instead.
 // Allocates.
 class [[nodiscard]] Status {
  public:

@@ -139,6 +139,11 @@ void AddFlags(const v1::FrameFate& fate, Sentences& to) {
   } else if (has(v1::FLAG_BYPASS) && !has(v1::FLAG_STALE)) {
     to.Add("No style is set: stylectl set " + fate.performer() + " --style NAME");
   }
+  if (fate.failure() == v1::FAILURE_AVATAR && !has(v1::FLAG_FAILED)) {
+    to.Add(
+        "An avatar ([[output]]) shows the performer's own motion because the styled pose on it "
+        "was not sound: check the avatar's skeleton");
+  }
   if (has(v1::FLAG_OUT_OF_DOMAIN)) {
     to.Add(
         "The pose is far from all training data, so most of the style is withheld: "

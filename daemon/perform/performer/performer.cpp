@@ -207,7 +207,9 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   WatchFacing();
   const stylist::Output& out = styling_->out();
   frame_.flags |= out.flags;
-  frame_.failure = failed ? v1::FAILURE_AVATAR : static_cast<v1::Failure>(out.failure);
+  frame_.failure = static_cast<v1::Failure>(out.failure);
+  // The flag of an avatar's own failure is on its topic alone.
+  if (failed && frame_.failure == v1::FAILURE_NONE) frame_.failure = v1::FAILURE_AVATAR;
   if (frame_.failure != v1::FAILURE_NONE) counters_.Add(CounterOf(frame_.failure));
   frame_.held_joints = static_cast<int>(out.held.count());
   frame_.first_held_joint = static_cast<int>(out.held._Find_first());

@@ -105,7 +105,7 @@ class NatsRecordingTest : public OnNatsServers {
     const Outcome made = Stylerec("operator", arguments);
     ASSERT_EQ(made.code, 0) << made.err << servers_.Log();
   }
-  std::uint64_t Recorded() {
+  std::uint64_t RecordedMessages() {
     const Outcome status = Stylerec("viewer", {"jetstream", "status"});
     const std::size_t at = status.out.find(" GB, ");
     return at == std::string::npos ? 0 : std::stoull(status.out.substr(at + 5));
@@ -138,9 +138,9 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
     ASSERT_TRUE(servers_.rec->Wait(5));
     Sleep(0.3);
     servers_.StartRec();
-    const std::uint64_t before = Recorded();
+    const std::uint64_t before = RecordedMessages();
     EXPECT_GT(before, 200U) << "on the disk";
-    ASSERT_TRUE(WaitUntil([&] { return Recorded() > before + 400; }, 20)) << servers_.Log();
+    ASSERT_TRUE(WaitUntil([&] { return RecordedMessages() > before + 400; }, 20)) << servers_.Log();
   }
   Sleep(0.3);
   stop = true;
@@ -240,7 +240,7 @@ TEST_F(NatsRecordingTest, TheOldestGoFirstByBytesAndByAge) {
   NatsUser bridge(servers_.hub_port, "bridge");
   Publish(bridge, 1, 3000, 1000);
   const std::string file = folder_ / "tail.styrec";
-  ASSERT_TRUE(WaitUntil([&] { return Recorded() > 1500; }, 10));
+  ASSERT_TRUE(WaitUntil([&] { return RecordedMessages() > 1500; }, 10));
   Sleep(0.5);  // until the last have arrived
   ASSERT_EQ(Stylerec("viewer", {"fetch", "--site", "hall", file}).code, 0);
   auto reader = recording::Reader::Open(file);
@@ -301,7 +301,7 @@ TEST_F(NatsRecordingTest, AServerThatStandsStillTakesNothingFromViewers) {
   const Stylenats bridge(hall, servers_.leaf_port);
   const Walker walker(hall, {"a", "b"}, 15000);
   ASSERT_TRUE(viewer.WaitFor(60, "", 30)) << bridge.Log() << servers_.Log();
-  ASSERT_TRUE(WaitUntil([this] { return Recorded() > 100; }, 10));
+  ASSERT_TRUE(WaitUntil([this] { return RecordedMessages() > 100; }, 10));
   servers_.rec->Signal(SIGSTOP);
   viewer.Clear();
   ASSERT_TRUE(WaitUntil(
@@ -317,8 +317,8 @@ TEST_F(NatsRecordingTest, AServerThatStandsStillTakesNothingFromViewers) {
   EXPECT_LT(longest.count(), 1.0) << "a hub that waits is silent for seconds";
   EXPECT_EQ(bridge.Count("slow calls,"), 0) << bridge.Counters();
   servers_.rec->Signal(SIGCONT);
-  const std::uint64_t before = Recorded();
-  EXPECT_TRUE(WaitUntil([&] { return Recorded() > before + 200; }, 20)) << servers_.Log();
+  const std::uint64_t before = RecordedMessages();
+  EXPECT_TRUE(WaitUntil([&] { return RecordedMessages() > before + 200; }, 20)) << servers_.Log();
 }
 
 TEST_F(NatsRecordingTest, AViewerReadsAndOnlyAnOperatorBeginsAndDeletes) {

@@ -1,4 +1,6 @@
 // Each cause is made with the pipeline, and its sentence must name the cause and the cure.
+#include "proto/styled/explain.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -274,6 +276,15 @@ TEST_F(ExplainTest, AFollowingClientGetsTheFramesSinceTheLastReply) {
   EXPECT_EQ(pipe().Ask(request).explain().frames_size(), 0);
   for (int i = 0; i < 5; ++i) Next();
   EXPECT_EQ(pipe().Ask(request).explain().frames_size(), 5);
+}
+
+TEST(ExplainTextTest, AnAvatarsFailureIsNamedWithoutTheRigsFlag) {
+  v1::FrameFate fate;
+  fate.set_fate(v1::FATE_STYLED);
+  fate.set_sequence(3);
+  fate.set_failure(v1::FAILURE_AVATAR);
+  EXPECT_THAT(ExplainText(fate), HasSubstr("An avatar ([[output]]) shows the performer's own"));
+  EXPECT_THAT(ExplainText(fate), HasSubstr("check the avatar's skeleton"));
 }
 
 TEST_F(ExplainTest, AThousandFramesAreKept) {
