@@ -52,7 +52,8 @@ Result<Example> ReadExample(const std::string& text, const std::string& rig,
 }
 
 // Reports how near an example is to the training data.
-void PrintDistance(const Example& example, const net::Styles& styles, const net::StyleSpace& space) {
+void PrintDistance(const Example& example, const net::Styles& styles,
+                   const net::StyleSpace& space) {
   constexpr float kFar = 1;  // the mean distance between styles
   net::StyleRequest alone;
   alone.sources.push_back({-1, {}, example.poses, 1});

@@ -279,16 +279,16 @@ TEST_F(TcpTest, MvnsConnectionsMeetTheSameRules) {
 TEST(NoteLimit, ABurstPassesThenOneASecondWithTheNumberOfSkippedOnes) {
   NoteLimit limit(3);
   std::int64_t now_ns = 7 * kSecond_ns;
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(limit.Handle(now_ns), 1U);
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(limit.Handle(now_ns), 0U);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(limit.Count(now_ns), 1U);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(limit.Count(now_ns), 0U);
   now_ns += kSecond_ns - 1;
-  EXPECT_EQ(limit.Handle(now_ns), 0U);
+  EXPECT_EQ(limit.Count(now_ns), 0U);
   now_ns += 1;
-  EXPECT_EQ(limit.Handle(now_ns), 12U);
-  EXPECT_EQ(limit.Handle(now_ns), 0U);
+  EXPECT_EQ(limit.Count(now_ns), 12U);
+  EXPECT_EQ(limit.Count(now_ns), 0U);
   now_ns += 100 * kSecond_ns;
-  EXPECT_EQ(limit.Handle(now_ns), 2U);
-  EXPECT_EQ(limit.Handle(now_ns), 1U);
+  EXPECT_EQ(limit.Count(now_ns), 2U);
+  EXPECT_EQ(limit.Count(now_ns), 1U);
   EXPECT_EQ(Times(1), "");
   EXPECT_EQ(Times(12), " (12 times)");
 }

@@ -81,7 +81,8 @@ TEST_F(KeyFolderTest, AFileOfSomebodyElseIsRefusedButRootsIsRead) {
   ASSERT_EQ(chown(ServerKeyFile(keys_).c_str(), 4711, 4711), 0);
   EXPECT_THAT(ServerPair(keys_, made).status().message(), HasSubstr("belongs to user 4711"));
   ASSERT_EQ(chown(keys_.c_str(), 4711, 4711), 0);
-  EXPECT_THAT(ServerPair(keys_, made).status().message(), HasSubstr("who could give anyone access"));
+  EXPECT_THAT(ServerPair(keys_, made).status().message(),
+              HasSubstr("who could give anyone access"));
   // As stylectl of root sees the folder of a daemon that runs as another user.
   EXPECT_TRUE(Allow(keys_, {"anna", NewKey(), Role::kOperator}).ok());
   EXPECT_EQ(Names(), std::vector<std::string>{"anna"});
@@ -146,7 +147,8 @@ TEST_F(KeyFolderTest, NamesAndKeysThatAreNoneAreRefusedAndSoIsAKeyTwice) {
     EXPECT_FALSE(Revoke(keys_, name).ok()) << name;
   }
   EXPECT_TRUE(fs::exists(ServerKeyFile(keys_)));
-  EXPECT_THAT(Allow(keys_, {"anna", "key", Role::kOperator}).message(), HasSubstr("not a public key"));
+  EXPECT_THAT(Allow(keys_, {"anna", "key", Role::kOperator}).message(),
+              HasSubstr("not a public key"));
   ASSERT_TRUE(Allow(keys_, {"anna", key, Role::kSubscriber}).ok());
   EXPECT_THAT(Allow(keys_, {"eve", key, Role::kOperator}).message(),
               HasSubstr("already allowed, as anna"));
