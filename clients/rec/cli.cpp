@@ -133,8 +133,9 @@ void Program::DeclarePlay() {
       "[NAME=]udp://HOST:PORT or tcp://HOST:PORT: target of the datagrams (of source NAME); "
       "'original': the recorded address. A recording without arrivals sends the frames "
       "published on source/");
-  play->add_option("--publish", a_.publish,
-                   "publish the recorded messages again, e.g. on tcp://127.0.0.1:7001 (port 0: any)");
+  play->add_option(
+      "--publish", a_.publish,
+      "publish the recorded messages again, e.g. on tcp://127.0.0.1:7001 (port 0: any)");
   play->add_option("--wait", a_.wait_s, "with --publish: seconds to wait for a first subscriber")
       ->check(CLI::Range(0.0, 86400.0));
   play->add_option("--control", a_.control,
