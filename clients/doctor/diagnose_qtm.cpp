@@ -57,10 +57,11 @@ void Examination::Qtm(const SourceFacts& source) {
                 "Skeletons need QTM 2019 or later: update it.");
   }
   if (!answers.skeletons_answered || answers.skeletons == 0) {
-    return fail(
-        Step::kSkeleton, "no_skeleton", "QTM at " + server + " has no skeleton.",
-        answers.text.empty() ? "Its answer lists no skeletons." : "It answered: " + answers.text,
-        "In QTM calibrate a skeleton of the performer. " + TheSettings());
+    return fail(Step::kSkeleton, "no_skeleton", "QTM at " + server + " has no skeleton.",
+                !answers.text.empty()        ? "It answered: " + answers.text
+                : answers.skeletons_answered ? "Its answer lists none."
+                                             : "It did not answer the request for its skeletons.",
+                "In QTM calibrate a skeleton of the performer. " + TheSettings());
   }
   if (answers.frames == 0) {
     return fail(Step::kArrival, "nothing_arrives", "QTM at " + server + " streams no frames.",

@@ -95,7 +95,7 @@ TEST(AvatarTest, AnAvatarIsDrivenOnItsOwnSkeletonAndMayBeChangedWhileItRuns) {
   std::ofstream(taller) << "glTF";
   kill(daemon.child->pid(), SIGHUP);
   EXPECT_EQ(control.CounterSoon("config.reloads_refused", 1), 1U);
-  EXPECT_NE(daemon.Log().find("taller.glb: is no glTF 2.0"), std::string::npos) << daemon.Log();
+  EXPECT_NE(daemon.Log().find("taller.glb: is not glTF 2.0"), std::string::npos) << daemon.Log();
 }
 
 TEST(JointsTest, ARigWhoseNamesNobodyKnowsIsMappedByHand) {

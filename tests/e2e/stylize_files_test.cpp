@@ -129,7 +129,7 @@ TEST_F(StylizeFiles, SecondsInWhichNothingIsToBeSeenAreTold) {
   ASSERT_TRUE(offset::Write(weights_, offset::TestModel(), offsets).ok());
   const std::string files = Walk("30", "2.5") + " " + made_ + ".bvh";
   ASSERT_EQ(Stylize("-s bent " + files), 0) << output_;
-  EXPECT_THAT(out_, HasSubstr(", hardly styled for 3 of 3 s: the weights leave what"));
+  EXPECT_THAT(out_, HasSubstr(", hardly styled for 3 of 3 s: the weights leave that"));
   ASSERT_EQ(Stylize("-s bent --strength 0.4 --overwrite " + files), 0) << output_;
   EXPECT_THAT(out_, Not(HasSubstr("hardly"))) << "not much was asked for";
   ASSERT_EQ(Stylize("--json -s bent --overwrite " + files), 0) << output_;

@@ -303,7 +303,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--from", "zombie", "--style", "style1"}, "--input-style: unknown style 'zombie'");
   refuses({"--style", "style1=x"},
           "--style: 'style1=x': expected after '=' a weight from 0 to 1.5");
-  refuses({"--style", "style1=nan"}, "--style: 'style1=nan': expected behind '=' a weight");
+  refuses({"--style", "style1=nan"}, "--style: 'style1=nan': expected after '=' a weight");
   refuses({"--style", "style1", "--mix", "s1=0.1"}, "a style is named twice");
   refuses({"--style", "style1=1", "--like", in + "=0.7", "--strength", "0.5"},
           "--style style1=1, --like " + in +
@@ -314,7 +314,7 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
       "--style style1, --like " + in + "=1.2: the weights given sum to 1.2, expected less than 1");
   refuses({"--style", "style1", "--strength", "2"}, "--strength is outside 0 to 1.5");
   refuses({"--vary", "3"}, "--vary: expected --style or --mix, found none");
-  refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected behind '=' a weight");
+  refuses({"--like", in + "=x"}, "--like: '" + in + "=x': expected after '=' a weight");
   refuses({"--like", in + "=2"},
           "--like: '" + in + "=2': expected after '=' a weight from 0 to 1.5");
   refuses({"--like", folder_ / "none.bvh"}, "--like: " + std::string(folder_ / "none.bvh"));

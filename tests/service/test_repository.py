@@ -182,7 +182,7 @@ class RepositoryTest(unittest.TestCase):
             broken.write('no package')
         done = self.make()
         self.assertEqual((1, ''), (done.returncode, done.stdout))
-        self.assertIn('broken.deb: is no package', done.stderr)
+        self.assertIn('broken.deb: is not a package', done.stderr)
         self.assertEqual(before, os.stat(self.file('InRelease')).st_mtime_ns)
 
     def test_a_key_of_ones_own_and_a_url(self):

@@ -241,7 +241,7 @@ TEST_F(DoctorInWordsTest, AllIsWell) {
   const Streaming rig(daemon.udp, kRate_hz, Performer(true));
   const std::string said = Says(daemon, "1");
   EXPECT_THAT(said, AnyOf(HasSubstr("All is well"), HasSubstr("left later than a period")));
-  EXPECT_THAT(said, HasSubstr("NOTE     Nobody has subscribed"));
+  EXPECT_THAT(said, HasSubstr("NOTE     No client has subscribed"));
   EXPECT_THAT(ReadText(folder_ / "stderr.txt"), HasSubstr("listening for 1 s"));
 }
 
@@ -256,7 +256,7 @@ TEST_F(DoctorInWordsTest, WithTwoSendersOfOnePerformerNotAllIsWell) {
   const std::string said = Says(daemon, "2");
   EXPECT_THAT(said, HasSubstr("WARNING"));
   EXPECT_THAT(said, HasSubstr("two senders send the same performer"));
-  EXPECT_THAT(said, HasSubstr("Frames come in and go through, but for 1 warning."));
+  EXPECT_THAT(said, HasSubstr("Frames arrive and are published, except for 1 warning."));
   EXPECT_THAT(said, testing::Not(HasSubstr("All is well")));
 }
 

@@ -26,7 +26,7 @@ struct Outcome {
 };
 
 // By topic, then epoch and sequence, the bytes of frames; and the bodies.
-struct Recorded {
+struct Contents {
   std::map<std::string, std::map<std::pair<std::uint64_t, std::uint64_t>, std::string>> frames;
   std::map<std::string, std::vector<std::int64_t>> times_ns;  // of the frames, by topic
   std::set<std::string> bodies, topics;
@@ -35,8 +35,8 @@ struct Recorded {
   std::int64_t first_ns = 0, last_ns = 0;
 };
 
-Recorded Read(const std::string& file) {
-  Recorded taken;
+Contents Read(const std::string& file) {
+  Contents taken;
   auto reader = recording::Reader::Open(file);
   if (!reader.ok()) {
     ADD_FAILURE() << reader.status().message();
@@ -150,7 +150,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
   const Outcome fetched = Stylerec("viewer", {"fetch", "--site", "hall", file});
   ASSERT_EQ(fetched.code, 0) << fetched.err << servers_.Log();
   std::cout << fetched.out;
-  const Recorded original = Read(beside), taken = Read(file);
+  const Contents original = Read(beside), taken = Read(file);
   EXPECT_THAT(taken.topics,
               testing::UnorderedElementsAre("body/rig.a/", "body/rig.b/", "styled/rig.a/rig/",
                                             "styled/rig.b/rig/", "styled/rig.a/canonical/",
@@ -196,7 +196,7 @@ TEST_F(NatsRecordingTest, TwoSitesSurviveAKilledServerBitByBit) {
       Stylerec("viewer", {"fetch", "--site", "hall", "--performer", "rig.b", "--from",
                           rec::TimeText(from_ns), "--to", rec::TimeText(middle_ns), part});
   ASSERT_EQ(span.code, 0) << span.err;
-  const Recorded some = Read(part);
+  const Contents some = Read(part);
   EXPECT_EQ(some.without_body, 0U);
   EXPECT_THAT(some.topics, testing::UnorderedElementsAre("body/rig.b/", "styled/rig.b/rig/",
                                                          "styled/rig.b/canonical/"));

@@ -163,7 +163,7 @@ TEST(MvnTranslator, TakesTheSkeletonFromThePoseWhereNoTPoseComes) {
   ASSERT_EQ(got.items.size(), 2U);
   ASSERT_EQ(got.notes.size(), 1U);
   EXPECT_NE(got.notes[0].find("neither name (type 12) nor T-pose (type 13)"), std::string::npos);
-  EXPECT_NE(got.notes[0].find("plays as stage, with the bones of its first pose"),
+  EXPECT_NE(got.notes[0].find("continues as stage, with the bones of its first pose"),
             std::string::npos);
   EXPECT_EQ(got.items[0].body.performer(), "stage") << "the source's name, where none is told";
   EXPECT_FLOAT_EQ(got.items[0].body.offsets(3 * 13 + 1), 0.1F);

@@ -169,7 +169,7 @@ class SilenceTest(unittest.TestCase):
     def test_asyncio_has_the_same(self):
         async def go():
             async with styled.aio.Subscriber(self.endpoint, performer='rig.b') as subscriber:
-                with self.assertWarnsRegex(styled.AbsentPerformer, "'rig.b' yet"):
+                with self.assertWarnsRegex(styled.AbsentPerformer, "'rig.b' is present yet"):
                     await subscriber.receive(3)
         asyncio.run(go())
 

@@ -8,7 +8,7 @@ const taken = { made: new Set(['pirate']), fixed: new Set(['elderly', 'old', 'ca
 test('what cannot be a name, each for its reason', () => {
   for (const [name, fault] of [
     ['', /needs a name/], ['a'.repeat(33), /at most 32 letters; this one has 33/], ['käpt', /only letters/], ['two words', /only letters/],
-    ['a/b', /only letters/], ['elderly', /elderly is a name of the weights/], ['Elderly', /of the weights/], ['OLD', /of the weights/], ['calm', /preset/], ['-x', /begin with -/], ['Panic', /another meaning/],
+    ['a/b', /only letters/], ['elderly', /elderly is already a name of the weights/], ['Elderly', /of the weights/], ['OLD', /of the weights/], ['calm', /preset/], ['-x', /begin with -/], ['Panic', /another meaning/],
   ]) assert.match(nameFault(name, taken), fault, name);
 });
 

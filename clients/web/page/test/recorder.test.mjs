@@ -113,7 +113,7 @@ test('a recording has an end, in frames and in bytes', async () => {
   await together(async ({ send, ended }) => {
     send(1, 2, 3, 4);
     const { take, reason } = await ended();
-    assert.match(reason, /^3 frames are all/);
+    assert.match(reason, /^3 frames is the limit/);
     assert.equal(take.source.length, 3);
   }, { poses: 3, bytes: Infinity });
   await together(async ({ send, ended }) => {

@@ -194,7 +194,7 @@ TEST_F(ConfigTest, AStandbyOnAnotherMachineNeedsKeysOrAnExplicitSetting) {
   const std::string key = "peer_key = '" + std::string(40, 'k') + "'\n";
   const std::string keys = "[security]\nkeys = '/k'\n";
   EXPECT_THAT(Complaint(far),
-              HasSubstr("standby.peer: tcp://10.0.0.2:7004 is beyond this machine"));
+              HasSubstr("standby.peer: tcp://10.0.0.2:7004 is not local to this machine"));
   EXPECT_THAT(Complaint(far + key), HasSubstr("security.keys"));
   EXPECT_THAT(Complaint(keys + far), HasSubstr("standby.peer_key"));
   EXPECT_THAT(Complaint(keys + far + "peer_key = 'short'\n"), HasSubstr("expected the 40"));
@@ -318,11 +318,11 @@ TEST_F(ConfigTest, BadAddressesAreRefusedWithTheirLine) {
                   "; expected 0 to 65535");
   }
   EXPECT_THAT(Complaint("[control]\naddress = 'tcp://127.0.0.1:-1'\n"),
-              HasSubstr(":2: control.address: \"127.0.0.1:-1\" is no address"));
+              HasSubstr(":2: control.address: \"127.0.0.1:-1\" is not an address"));
   EXPECT_THAT(Complaint("[control]\naddress = 'tcp://127.0.0.1'\n"),
-              HasSubstr(":2: control.address: \"127.0.0.1\" is no address"));
+              HasSubstr(":2: control.address: \"127.0.0.1\" is not an address"));
   EXPECT_THAT(Complaint("[control]\naddress = 'udp://127.0.0.1:1'\n"),
-              HasSubstr(":2: control.address: \"udp://127.0.0.1:1\" is no endpoint"));
+              HasSubstr(":2: control.address: \"udp://127.0.0.1:1\" is not an endpoint"));
   EXPECT_THAT(Complaint("[[source]]\nname = 'a'\nlisten = 'somewhere:1'\n"),
               HasSubstr(":3: source.0.listen: \"somewhere:1\": expected a numeric address"));
 }

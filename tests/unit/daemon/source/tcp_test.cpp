@@ -115,7 +115,7 @@ TEST_F(TcpTest, AConnectionThatBringsNoRecordIsClosedAfterFiveSeconds) {
   Pass(1);
   EXPECT_TRUE(idle.Closed());
   EXPECT_EQ(Count(Counter::kSourceTcpSilent), 1U);
-  EXPECT_THAT(notes_, ElementsAre(HasSubstr("no whole record came in 5 s")));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("no whole record arrived in 5 s")));
   EXPECT_EQ(transport_->NextDeadline_ns(), std::numeric_limits<std::int64_t>::max());
 }
 

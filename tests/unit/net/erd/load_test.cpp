@@ -292,9 +292,7 @@ TEST(Load, RefusesOtherMetadata) {
         .message();
   };
   const std::string text = file.metadata.dump();
-  EXPECT_EQ(message({}),
-            "file: __metadata__: expected the one key 'styled', found none of that "
-            "name");
+  EXPECT_EQ(message({}), "file: __metadata__: expected the one key 'styled', found no such key");
   EXPECT_THAT(message({{"styled", text}, {"format", "pt"}}), HasSubstr("found 2 keys"));
   EXPECT_EQ(message({{"styled", "{"}}), "file: key 'styled': not JSON: line 1, column 2");
   EXPECT_EQ(message({{"styled", R"({"version":1,"version":1})"}}),
