@@ -7,8 +7,8 @@
 
 namespace styled {
 
-// The outcome of a step off the hot path: ok, or a message that names the place (file, key, command),
-// the value found and what was expected. Errors in frames are an enum instead.
+// The outcome of a step off the hot path: ok, or a message that names the place (a file, a key, a
+// command), the value found and what was expected. Errors in frames are an enum instead.
 // Allocates.
 class [[nodiscard]] Status {
  public:
