@@ -210,7 +210,8 @@ void Examination::Losses() {
        "datagrams were lost between the rig and the daemon" + Losers() + ".",
        "Use a cable, or a wireless network of its own; look at switches and at the sender's load.");
   warn("pipeline.backlog_dropped", "too_slow", "frames were too late and were skipped.",
-       "The machine is overloaded: end other programs, set realtime.priority = 20.");
+       "The network delivers in bursts (use a cable), or the machine is overloaded: end other "
+       "programs, set realtime.priority = 20.");
   warn("source.takeovers_refused", "takeover_refused",
        "greetings for a live tracker were refused: they came from another address.",
        "Two trackers have one MAC, or another sender imitates one: the daemon's log names both "
