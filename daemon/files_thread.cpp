@@ -7,6 +7,7 @@
 #include <chrono>
 #include <utility>
 
+#include "daemon/looks/refusal.h"
 #include "daemon/looks/state_file.h"
 #include "daemon/standby/standby.h"
 #include "daemon/styles/make_config.h"
@@ -151,7 +152,8 @@ void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
   std::shared_ptr<const pipeline::RuntimeConfig> made;
   if (mailboxes_.stands_by.load(std::memory_order_relaxed) && !exchange->followed &&
       log::Changes(exchange->request)) {
-    standby::RefuseOrder(config_.standby.peer, exchange->request, exchange->reply);
+    exchange->reply.set_id(exchange->request.id());
+    pipeline::FillReply(standby::OrderRefused(config_.standby.peer), exchange->reply);
   } else {
     made = style_requests_.Do(*running_, *exchange);
     if (!style_requests_.log_line().empty()) spdlog::info("{}", style_requests_.log_line());

@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "daemon/control/osc.h"
+#include "daemon/looks/refusal.h"
 #include "daemon/runtime/sockets.h"
 #include "proto/rigs/vmc/osc.h"
 
@@ -46,8 +47,7 @@ std::unique_ptr<pipeline::Exchange> OscSocket::Refused(const std::string& addres
   auto exchange = std::make_unique<pipeline::Exchange>();
   exchange->envelope.push_back(sender_);
   exchange->osc = address;
-  exchange->reply.set_code(v1::CODE_MALFORMED);
-  exchange->reply.set_reason(reason);
+  pipeline::FillReply(pipeline::Malformed(reason), exchange->reply);
   return exchange;
 }
 

@@ -21,7 +21,7 @@ Status MakeChange(const config::Cue& cue, const std::vector<config::Preset>& pre
     change.add_mix()->set_style(cue.style);
     change.mutable_mix(0)->set_weight(1);
   }
-  if (const std::string wrong = CheckLook(change); !wrong.empty()) return Status::Error(wrong);
+  if (Status status = CheckLook(change); !status.ok()) return status;
   if (Status status = ProperNames(styles, change); !status.ok()) return status;
   v1::Look applied = change;
   if (!change.preset().empty()) {

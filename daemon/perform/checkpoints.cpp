@@ -108,7 +108,7 @@ Status ReadSettings(const v1::Checkpoint& checkpoint, const RuntimeConfig& confi
                     Profile& profile) {
   v1::Look look = InitialLook();
   v1::Look change = checkpoint.look();
-  if (const std::string why = CheckLook(change); !why.empty()) return Bad(why);
+  if (Status status = CheckLook(change); !status.ok()) return Bad(status.message());
   const Status named = ProperNames(config.network->model().styles, change);
   if (!named.ok()) return Bad(named.message());
   change.clear_preset();

@@ -243,8 +243,8 @@ Status Commands::Change(const std::string& performer, v1::Look change, const std
   const int mixes = static_cast<int>(change.clear()) + static_cast<int>(change.mix_size() > 0) +
                     static_cast<int>(by_preset);
   if (mixes > 1) return Malformed(what + ": expected one of mix, preset and clear");
-  if (const std::string wrong = CheckLook(change); !wrong.empty()) {
-    return Refused(v1::CODE_OUT_OF_RANGE, what + ": " + wrong);
+  if (const Status in_range = CheckLook(change); !in_range.ok()) {
+    return Refused(v1::CODE_OUT_OF_RANGE, what + ": " + in_range.message());
   }
   if (by_preset) {
     if (Status status = FillPreset(change, what); !status.ok()) return status;

@@ -156,17 +156,17 @@ void Replication::ProcessBuffered(const std::unordered_map<std::string, std::siz
 bool Replication::Answers(pipeline::Exchange& exchange) {
   const v1::Request& request = exchange.request;
   v1::Reply& reply = exchange.reply;
+  const std::string& peer = standby_.peer_address();
+  reply.set_id(request.id());
   if (!standby_.leads() && log::Changes(request)) {
-    RefuseOrder(standby_.peer_address(), request, reply);
-    if (standby_.looks()) {
-      reply.set_code(v1::CODE_NOT_READY);
-      reply.set_reason("this daemon checks whether " + standby_.peer_address() +
-                       " leads: try again in a second");
-    }
+    pipeline::FillReply(standby_.looks() ? pipeline::Refused(v1::CODE_NOT_READY,
+                                                             "this daemon checks whether " + peer +
+                                                                 " leads: try again in a second")
+                                         : OrderRefused(peer),
+                        reply);
     return true;
   }
   if (!request.has_lead()) return false;
-  reply.set_id(request.id());
   pipeline::FillReply(standby_.RequestLead(), reply);
   return true;
 }
@@ -177,7 +177,8 @@ void Replication::OnReload(pipeline::Reload& reload) {
   pipeline::Exchange& exchange = *reload.exchange;
   if (exchange.followed) return;
   exchange.reply.Clear();
-  RefuseOrder(standby_.peer_address(), exchange.request, exchange.reply);
+  exchange.reply.set_id(exchange.request.id());
+  pipeline::FillReply(OrderRefused(standby_.peer_address()), exchange.reply);
   standby_.Refetch();
 }
 

@@ -93,11 +93,10 @@ const char* Name(v1::Role role) {
 
 }  // namespace
 
-void RefuseOrder(const std::string& peer, const v1::Request& request, v1::Reply& reply) {
-  reply.set_id(request.id());
-  reply.set_code(v1::CODE_STANDBY);
-  reply.set_reason("this daemon is the standby of " + peer +
-                   ": send the request there, or let this daemon lead (stylectl lead)");
+Status OrderRefused(const std::string& peer) {
+  return pipeline::Refused(v1::CODE_STANDBY,
+                           "this daemon is the standby of " + peer +
+                               ": send the request there, or let this daemon lead (stylectl lead)");
 }
 
 Standby::Standby(std::unique_ptr<Channel> channel, const config::Standby& config,

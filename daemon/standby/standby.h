@@ -43,8 +43,8 @@ class FollowClock final : public runtime::Clock {
   std::int64_t now_ns_ = 0, wall_ns_ = 0;
 };
 
-// Fills the reply of a standby to a request that would change something.
-void RefuseOrder(const std::string& peer, const v1::Request& request, v1::Reply& reply);
+// The answer of a standby to a request that would change something; `peer`: the leader's address.
+Status OrderRefused(const std::string& peer);
 
 // One daemon of a pair, each of which can take over from the other ([standby]): its role, its
 // journal for the peer, and the peer's journal. Replication applies both to the pipeline. Pipeline

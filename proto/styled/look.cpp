@@ -107,30 +107,31 @@ void Apply(const v1::Look& change, v1::Look& look) {
   SetParts(PartsOf(look), look);
 }
 
-std::string CheckLook(const v1::Look& change) {
+Status CheckLook(const v1::Look& change) {
   for (const LookField& field : kLookFields) {
     if (const auto* const choice = std::get_if<LookChoice>(&field.kind)) {
       const int value = choice->get(change);
       if (value >= 0 && static_cast<std::size_t>(value) < choice->words.size()) continue;
-      return std::string(field.name) + " is " + std::to_string(value) + ", expected " +
-             ChoiceWords(*choice);
+      return Status::Error(std::string(field.name) + " is " + std::to_string(value) +
+                           ", expected " + ChoiceWords(*choice));
     }
     const auto* const number = std::get_if<LookNumber>(&field.kind);
     if (number == nullptr || !(change.*number->has)()) continue;
     const float value = (change.*number->get)();
     if (IsIn(*number, static_cast<double>(value))) continue;
-    return std::string(field.name) + " is " + NumberText(value) + ", expected " + Expected(*number);
+    return Status::Error(std::string(field.name) + " is " + NumberText(value) + ", expected " +
+                         Expected(*number));
   }
   if (change.mix_size() > net::kMaxMix) {
-    return "mix has " + std::to_string(change.mix_size()) + " styles, expected at most " +
-           std::to_string(net::kMaxMix);
+    return Status::Error("mix has " + std::to_string(change.mix_size()) +
+                         " styles, expected at most " + std::to_string(net::kMaxMix));
   }
   for (const int part : change.parts()) {
     if (!v1::BodyPart_IsValid(part)) {
-      return "parts has " + std::to_string(part) + ", expected a BodyPart, 0 to 6";
+      return Status::Error("parts has " + std::to_string(part) + ", expected a BodyPart, 0 to 6");
     }
   }
-  return "";
+  return Status::Ok();
 }
 
 }  // namespace styled

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <variant>
 
+#include "model/base/status.h"
 #include "model/body/parts.h"
 #include "model/net/styles.h"
 #include "proto/styled/v1/frame.pb.h"
@@ -121,8 +122,8 @@ bool IsEmpty(const v1::Look& change);
 // is copied: the caller puts the preset's mix into the change. A mix without a preset clears the
 // look's preset.
 void Apply(const v1::Look& change, v1::Look& look);
-// Names the field of a change that is out of range, and what was expected; "" if there is none.
+// Whether all fields of a change are in range; the error names the field and what was expected.
 // Names of styles and presets are not looked up, and weights are not summed.
-std::string CheckLook(const v1::Look& change);
+Status CheckLook(const v1::Look& change);
 
 }  // namespace styled

@@ -113,39 +113,40 @@ TEST(LookTest, AChangeAppliesWhatItNames) {
 }
 
 TEST(LookTest, AValueOutOfRangeIsNamed) {
-  EXPECT_EQ(CheckLook(Changed()), "");
+  EXPECT_EQ(CheckLook(Changed()).message(), "");
   v1::Look change;
   change.set_strength(std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(CheckLook(change), HasSubstr("strength is "));
+  EXPECT_THAT(CheckLook(change).message(), HasSubstr("strength is "));
   change.set_strength(1.5F);
-  EXPECT_EQ(CheckLook(change), "");
+  EXPECT_EQ(CheckLook(change).message(), "");
   change.set_transition_ms(-1);
-  EXPECT_EQ(CheckLook(change), "transition_ms is -1, expected 0 to 60000");
+  EXPECT_EQ(CheckLook(change).message(), "transition_ms is -1, expected 0 to 60000");
   change.Clear();
   change.add_parts(static_cast<v1::BodyPart>(7));
-  EXPECT_EQ(CheckLook(change), "parts has 7, expected a BodyPart, 0 to 6");
+  EXPECT_EQ(CheckLook(change).message(), "parts has 7, expected a BodyPart, 0 to 6");
   change.Clear();
   change.set_root(static_cast<v1::Root>(7));
-  EXPECT_EQ(CheckLook(change), "root is 7, expected follow or stride");
+  EXPECT_EQ(CheckLook(change).message(), "root is 7, expected follow or stride");
   change.set_root(static_cast<v1::Root>(-1));
-  EXPECT_EQ(CheckLook(change), "root is -1, expected follow or stride");
+  EXPECT_EQ(CheckLook(change).message(), "root is -1, expected follow or stride");
   change.Clear();
   for (const float bad : {-1.0F, 100.0F, 2.5F, std::numeric_limits<float>::quiet_NaN()}) {
     change.set_vary(bad);
-    EXPECT_THAT(CheckLook(change), HasSubstr(", expected a whole number from 0 to 99")) << bad;
+    EXPECT_THAT(CheckLook(change).message(), HasSubstr(", expected a whole number from 0 to 99"))
+        << bad;
   }
   change.set_vary(99);
-  EXPECT_EQ(CheckLook(change), "");
+  EXPECT_EQ(CheckLook(change).message(), "");
   change.set_vary_amount(1.6F);
-  EXPECT_EQ(CheckLook(change), "vary_amount is 1.6, expected 0 to 1.5");
+  EXPECT_EQ(CheckLook(change).message(), "vary_amount is 1.6, expected 0 to 1.5");
   change.set_vary_amount(1.5F);
   change.set_drift_s(601);
-  EXPECT_EQ(CheckLook(change), "drift_s is 601, expected 0 to 600");
+  EXPECT_EQ(CheckLook(change).message(), "drift_s is 601, expected 0 to 600");
   change.set_drift_s(-1);
-  EXPECT_EQ(CheckLook(change), "drift_s is -1, expected 0 to 600");
+  EXPECT_EQ(CheckLook(change).message(), "drift_s is -1, expected 0 to 600");
   change.Clear();
   for (int i = 0; i < 5; ++i) change.add_mix();
-  EXPECT_EQ(CheckLook(change), "mix has 5 styles, expected at most 4");
+  EXPECT_EQ(CheckLook(change).message(), "mix has 5 styles, expected at most 4");
 }
 
 TEST(LookTest, ALookAsksForVariationsByNumberByIdOrByDrift) {
