@@ -143,7 +143,8 @@ TEST_F(KeyFolderTest, NamesAndKeysThatAreNoneAreRefusedAndSoIsAKeyTwice) {
   ASSERT_TRUE(ServerPair(keys_, made).ok());
   const std::string key = NewKey();
   for (const std::string name : {"", "../server", "a b", "a/b", ".", "anna.key"}) {
-    EXPECT_THAT(Allow(keys_, {name, key, Role::kOperator}).message(), HasSubstr("is no name"));
+    EXPECT_THAT(Allow(keys_, {name, key, Role::kOperator}).message(),
+                HasSubstr("not a client's name"));
     EXPECT_FALSE(Revoke(keys_, name).ok()) << name;
   }
   EXPECT_TRUE(fs::exists(ServerKeyFile(keys_)));
