@@ -1,13 +1,11 @@
 // explain: the fates of the frames of a recording, and their causes.
 #include "proto/styled/explain.h"
-#include "proto/styled/v1/frame.pb.h"
 
-#include <map>
 #include <string>
 #include <vector>
 
 #include "clients/rec/commands.h"
-#include "clients/rec/time_text.h"
+#include "proto/styled/v1/frame.pb.h"
 
 namespace styled::rec {
 namespace {

@@ -374,13 +374,14 @@ TEST_F(CliTest, ExplainSaysWhatTheDaemonMadeOfEachFrame) {
   }
   const std::string file = Write("decided.styrec", records);
   ASSERT_EQ(Run({"explain", file, "rig.a"}), kExitOk) << err_.str();
-  EXPECT_EQ(out_.str(),
-            "frames 101 to 106 (6): published.\n"
-            "frame 7 of the sender: refused. The frame was refused because the sequence number was "
-            "received before: look whether something on the way sends everything twice, or two "
-            "senders use one session.\n"
-            "frames 108 to 119 (12): published.\n"
-            "frame 120: published. No style is set: stylectl set rig.a --style NAME.\n");
+  EXPECT_EQ(
+      out_.str(),
+      "frames 101 to 106 (6): published.\n"
+      "frame 7 of the sender: refused. The frame was refused because the sequence number was "
+      "received before: check whether a device on the way sends everything twice, or whether two "
+      "senders use one session.\n"
+      "frames 108 to 119 (12): published.\n"
+      "frame 120: published. No style is set: stylectl set rig.a --style NAME.\n");
   ASSERT_EQ(Run({"explain", file, "rig.a", "110"}), kExitOk) << err_.str();
   EXPECT_EQ(out_.str(), "frame 110: published.\n");
   EXPECT_NE(Run({"explain", file, "rig.a", "7"}), kExitOk);
