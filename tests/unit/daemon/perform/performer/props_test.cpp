@@ -317,7 +317,7 @@ class Staged final : Receiver {
  private:
   void Accept(std::span<const std::byte> datagram) {
     outbox_.Open(*this, -1);
-    translator_->Accept(datagram, peer_, fake_.clock.now_ns, outbox_);
+    translator_->Handle(datagram, peer_, fake_.clock.now_ns, outbox_);
     outbox_.Close();
   }
   void OnFrames(int source, std::span<const SourceFrame> frames, bool more) override {
