@@ -115,6 +115,8 @@ def forgotten(file, header, sources):
             if re.search(r'\bCarry\(Checkpoint', own):
                 found[f'{file} {name}'] = ['the body of Carry']
             continue
+        # A structured binding that names every member carries none of them.
+        carry = re.sub(r'\bauto\s*&\s*\[[^\]]*\]\s*=\s*\*this;', '', carry)
         missing = [member for member in members(own) if not re.search(r'\b' + member + r'\b', carry)]
         if missing:
             found[f'{file} {name}'] = missing
@@ -149,6 +151,10 @@ class Carry(unittest.TestCase):
             };"""
         self.assertEqual({'a.h Stage': ['velocity_'], 'a.h Part': ['lost']},
                          forgotten('a.h', header, 'void Stage::Part::Carry(Checkpoint& c) noexcept { c(kept); }'))
+
+    def test_a_member_that_is_only_bound_is_found(self):
+        header = 'struct Stage { float a = 0, b = 0; void Carry(Checkpoint& c) { auto& [a, b] = *this; c(a); } };'
+        self.assertEqual({'a.h Stage': ['b']}, forgotten('a.h', header, ''))
 
     def test_a_carry_without_a_body_is_found(self):
         header = 'struct Stage { float value_ = 0; void Carry(Checkpoint& c) noexcept; };'
