@@ -28,7 +28,7 @@ class StyledLiveConnection(bpy.types.PropertyGroup):
     publisher: StringProperty(name='Publisher', default=styled.DEFAULT_PUBLISHER,
                               description='Address at which the daemon publishes')
     control: StringProperty(name='Control', default=styled.DEFAULT_CONTROL,
-                            description='Address of the daemon's control socket')
+                            description="Address of the daemon's control socket")
     performer: StringProperty(name='Performer', search=_performers,
                               description='SOURCE.NAME; empty: all performers, for styles')
     stream: StringProperty(

@@ -58,7 +58,7 @@ def parse():
     command('clear', 'fade to bypass', run_clear, 'optional')
     for name, text, run in (
             ('like', 'make a style from an example clip, and set the performer to it', run_like),
-            ('learn', 'make a style from the performer's motion from now on, and set the performer to it',
+            ('learn', "make a style from the performer's motion from now on, and set the performer to it",
              run_learn)):
         make = command(name, text, run, 'required')
         make.add_argument('--name', required=name == 'learn',

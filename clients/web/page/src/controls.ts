@@ -122,7 +122,7 @@ function bodyParts(app: App): HTMLElement {
 }
 
 const ROOTS: [Root, string, string][] = [
-  [Root.FOLLOW, 'Follow', 'The body stays at the performer's place'],
+  [Root.FOLLOW, 'Follow', "The body stays at the performer's place"],
   [Root.STRIDE, 'Stride', 'The body walks and runs at the speed of the style'],
 ];
 

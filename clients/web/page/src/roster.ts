@@ -76,7 +76,7 @@ function layers(line: HTMLElement, { layers, look }: PerformerStats): void {
 function ownStyle(app: App): HTMLElement {
   const choice = h('select', { name: 'own', 'aria-label': 'Own style' });
   choice.addEventListener('change', () => void app.setOwnStyle(choice.value));
-  const box = h('label', { className: 'own', title: 'The performer's own style: it is removed before another is applied' },
+  const box = h('label', { className: 'own', title: "The performer's own style: it is removed before another is applied" },
     h('span', {}, 'Own style'), choice);
   let shown = '';
   app.watch(() => {
