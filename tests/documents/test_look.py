@@ -1,6 +1,6 @@
 """Lists of the fields of a look (proto/styled/v1/look.proto) that no compiler compares with it have all of them, or
-say here which are left out: the Unity package's, the help of `python -m styled`. The page's list is made of the
-message; what it leaves out exists."""
+say here which are left out: the Unity package's. The page's list is made of the message; what it leaves out exists.
+Python's options are made of proto/styled/look.h (tests/unit/python/test_arguments.py)."""
 
 import os
 import re
@@ -10,8 +10,6 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 
 # Unity's Control sets a style, its strength and its fade, or clears them. A new field is added to Control.cs or here.
 UNITY_LEAVES_OUT = {'absolute', 'parts', 'input_style', 'preset', 'root', 'vary', 'vary_each', 'vary_amount', 'drift_s'}
-# Of Python's command line: --style and --mix, --preset, the command `clear`; and --vary each.
-PYTHON_HAS_OWN = {'mix', 'preset', 'clear', 'vary_each'}
 
 
 def read(*path):
@@ -42,11 +40,6 @@ def written_by_unity(source):
     return {int(number) for number in re.findall(r'\.(?:Message|Text|Float|Number)\((\d+),', outer)}
 
 
-def helped_by_python(source):
-    table = re.search(r'^LOOK_HELP = \{(.*?)\}$', source, re.MULTILINE | re.DOTALL).group(1)
-    return set(re.findall(r"(?:^|,\s+)'(\w+)': ", table))
-
-
 class Look(unittest.TestCase):
 
     def setUp(self):
@@ -64,11 +57,6 @@ class Look(unittest.TestCase):
         self.assertEqual(wanted, written)
         self.assertLessEqual(UNITY_LEAVES_OUT, set(self.fields))
 
-    def test_python_explains_every_option(self):
-        helped = helped_by_python(read('clients', 'python', 'styled', '__main__.py'))
-        self.assertEqual(set(self.fields), helped | PYTHON_HAS_OWN)
-        self.assertFalse(helped & PYTHON_HAS_OWN)
-
     def test_the_usual_fade_is_one(self):
         said = re.search(r'initially (\d+); shortest fade', read('proto', 'styled', 'v1', 'look.proto')).group(1)
         page = re.search(r'^  transition_ms = (\d+);', read('clients', 'web', 'page', 'src', 'app.ts'), re.MULTILINE).group(1)
@@ -81,7 +69,6 @@ class Look(unittest.TestCase):
         self.assertEqual({'mix': 1, 'glow': 14}, fields(proto, 'Look'))
         self.assertEqual({'drift_s'}, apart_on_page("const APART = ['driftS'] as const;"))
         self.assertNotIn(14, written_by_unity(read('clients', 'unity', 'Runtime', 'Control.cs')))
-        self.assertEqual({'strength', 'parts'}, helped_by_python("LOOK_HELP = {'strength': '0 to 1', 'parts': 'e.g. a'}\n"))
 
 
 if __name__ == '__main__':
