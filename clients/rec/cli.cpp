@@ -193,8 +193,10 @@ void Program::DeclareExport() {
   }
   command->add_flag("--overwrite", a_.overwrite, "overwrite existing files");
   command
-      ->add_option("--rate", a_.rate_hz,
-                   "frames per second; default: the recording's own, in glTF its frames' times")
+      ->add_option(
+          "--rate", a_.rate_hz,
+          "frames per second; default: the recording's own, or the times of its frames in a format "
+          "that has them")
       ->check(CLI::Range(1.0, 1000.0));
 }
 

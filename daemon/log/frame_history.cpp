@@ -6,6 +6,7 @@
 #include <span>
 
 #include "daemon/runtime/counters.h"
+#include "proto/styled/v1/frame.pb.h"
 
 namespace styled::log {
 namespace {

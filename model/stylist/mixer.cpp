@@ -41,8 +41,7 @@ void Mixer::Carry(Checkpoint& c, int style_count) noexcept {
   c.Within(count_, 0, active_.size());
   c.Within(input_style_, 0, style_count - 1);
   c.Within(next_input_style_, 0, style_count - 1);
-  c(presence_, absolute_, stride_, parts_, whole_, variation_, elapsed_s_, duration_s_, fading_,
-    running_);
+  c(presence_, faded_, parts_, whole_, variation_, elapsed_s_, duration_s_, fading_, running_);
 }
 
 void Mixer::Aim(const Settings& settings) noexcept {
@@ -51,11 +50,12 @@ void Mixer::Aim(const Settings& settings) noexcept {
     slot.weight.target = 0;
   }
   presence_.start = presence_.value;
-  absolute_.start = absolute_.value;
-  stride_.start = stride_.value;
   presence_.target = 0;
-  absolute_.target = settings.absolute ? 1 : 0;
-  stride_.target = settings.root == Root::kStride ? 1 : 0;
+  const FadedTargets targets = TargetsOf(settings);
+  for (std::size_t i = 0; i < faded_.size(); ++i) {
+    faded_[i].start = faded_[i].value;
+    faded_[i].target = targets[i];
+  }
   const bool nothing = empty();  // no style in effect: parts and variation need no fade
   variation_.Aim(settings, nothing || !running_);
   for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -88,8 +88,7 @@ void Mixer::Advance(double dt_s) noexcept {
       fade.value = share >= 1 ? fade.target : fade.start + (fade.target - fade.start) * share;
     };
     move(presence_);
-    move(absolute_);
-    move(stride_);
+    std::ranges::for_each(faded_, move);
     whole_ = true;
     for (Fade& part : parts_) {
       move(part);

@@ -37,9 +37,9 @@ class Mixer {
   // 0 .. 1: how far any style, even neutral, is in effect; and the share of the absolute output
   // instead of the detail-preserving one.
   float presence() const { return presence_.value; }
-  float absolute() const { return absolute_.value; }
+  float absolute() const { return faded_[kAbsolute].value; }
   // 0 .. 1: the share of the style's speed that the path over the floor has (Root::kStride).
-  float stride() const { return stride_.value; }
+  float stride() const { return faded_[kStride].value; }
   // 0 .. 1: the share of the style that a part of the body shows. whole(): all parts show all of
   // it.
   float share(body::Part part) const { return parts_[static_cast<std::size_t>(part)].value; }
@@ -56,6 +56,19 @@ class Mixer {
     int style = -1;
     Fade weight;
   };
+  // Settings that fade as the weights do: a number for each, and its target. Before the first
+  // settings they have the targets of Settings().
+  enum Faded { kAbsolute, kStride, kFadedCount };
+  using FadedTargets = std::array<float, kFadedCount>;
+  static FadedTargets TargetsOf(const Settings& settings) {
+    return {settings.absolute ? 1.0F : 0.0F, settings.root == Root::kStride ? 1.0F : 0.0F};
+  }
+  static std::array<Fade, kFadedCount> InitiallyFaded() {
+    std::array<Fade, kFadedCount> faded;
+    const FadedTargets targets = TargetsOf(Settings());
+    for (std::size_t i = 0; i < kFadedCount; ++i) faded[i] = {targets[i], targets[i], targets[i]};
+    return faded;
+  }
   static constexpr std::array<Fade, body::kPartCount> AllParts() {
     std::array<Fade, body::kPartCount> parts;
     parts.fill({1, 1, 1});
@@ -67,7 +80,8 @@ class Mixer {
   std::array<net::StyleWeight, net::kMaxActive> active_;
   std::size_t count_ = 0;
   int input_style_ = 0, next_input_style_ = 0;
-  Fade presence_, absolute_, stride_;
+  Fade presence_;
+  std::array<Fade, kFadedCount> faded_ = InitiallyFaded();
   std::array<Fade, body::kPartCount> parts_ = AllParts();
   bool whole_ = true;
   Variation variation_;

@@ -43,20 +43,6 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
   return SettingsError::kNone;
 }
 
-void Settings::Carry(Checkpoint& c, int style_count) noexcept {
-  // A structured binding names all members, so that a new one does not compile until it is carried
-  // here.
-  auto& [mix, strength, transition_s, absolute, parts, root, input_style, variation, vary_amount,
-         drift_s] = *this;
-  for (net::StyleWeight& style : mix) c(style.style, style.weight);
-  c(strength, transition_s, absolute, parts);
-  bool strides = root == Root::kStride;
-  c(strides);
-  root = strides ? Root::kStride : Root::kFollow;
-  c(input_style, variation, vary_amount, drift_s);
-  if (c.reads() && c.ok() && Validate(*this, style_count) != SettingsError::kNone) c.Refuse();
-}
-
 Status Options::Validate() const {
   const std::pair<bool, const char*> rules[] = {
       {IsIn(change_tau_s, 0, 1), "change_tau: expected 0 to 1 s"},

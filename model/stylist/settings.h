@@ -21,6 +21,28 @@ enum class Root {
   kStride,  // the performer's path, scaled by the style's effect on speed (stride.h)
 };
 
+// The first rule that settings break; NaN breaks every numeric rule.
+enum class SettingsError {
+  kNone,
+  kUnknownStyle,    // an index that the network does not have
+  kNeutralStyle,    // neutral as a target of neutral input
+  kDuplicateStyle,  // a style twice in the mix
+  kWeight,          // outside 0 .. net::kMaxStrength
+  kSum,         // the weights, or the weights times strength, sum to more than net::kMaxStrength
+  kStrength,    // outside 0 .. net::kMaxStrength
+  kTransition,  // outside 0 .. net::kMaxTransition_s
+  kNoParts,     // nothing would be styled
+  kUnknownInputStyle,  // an index that the network does not have
+  kVariation,          // outside 0 .. net::kVariations
+  kVaryAmount,         // outside 0 .. net::kMaxStrength
+  kDrift,              // outside 0 .. net::kMaxDrift_s
+};
+
+struct Settings;
+// `style_count`: the network's number of styles, neutral included.
+[[nodiscard]] STYLED_REALTIME SettingsError Validate(const Settings& settings,
+                                                     int style_count) noexcept;
+
 // The style of one performer. `mix` holds numbers and weights of the network's styles; the weights
 // in effect are these times `strength`. Neutral, 0, may be a target only if `input_style` is
 // another style.
@@ -42,28 +64,20 @@ struct Settings {
   float drift_s = 0;
 
   // See model/base/checkpoint.h. Refuses what does not pass Validate.
-  STYLED_REALTIME void Carry(Checkpoint& c, int style_count) noexcept;
+  STYLED_REALTIME void Carry(Checkpoint& c, int style_count) noexcept {
+    // A structured binding names all members, so that a new one does not compile until it is
+    // carried here.
+    auto& [mix, strength, transition_s, absolute, parts, root, input_style, variation, vary_amount,
+           drift_s] = *this;
+    for (net::StyleWeight& style : mix) c(style.style, style.weight);
+    c(strength, transition_s, absolute, parts);
+    bool strides = root == Root::kStride;
+    c(strides);
+    root = strides ? Root::kStride : Root::kFollow;
+    c(input_style, variation, vary_amount, drift_s);
+    if (c.reads() && c.ok() && Validate(*this, style_count) != SettingsError::kNone) c.Refuse();
+  }
 };
-
-// The first rule that settings break; NaN breaks every numeric rule.
-enum class SettingsError {
-  kNone,
-  kUnknownStyle,    // an index that the network does not have
-  kNeutralStyle,    // neutral as a target of neutral input
-  kDuplicateStyle,  // a style twice in the mix
-  kWeight,          // outside 0 .. net::kMaxStrength
-  kSum,         // the weights, or the weights times strength, sum to more than net::kMaxStrength
-  kStrength,    // outside 0 .. net::kMaxStrength
-  kTransition,  // outside 0 .. net::kMaxTransition_s
-  kNoParts,     // nothing would be styled
-  kUnknownInputStyle,  // an index that the network does not have
-  kVariation,          // outside 0 .. net::kVariations
-  kVaryAmount,         // outside 0 .. net::kMaxStrength
-  kDrift,              // outside 0 .. net::kMaxDrift_s
-};
-
-// `style_count`: the network's number of styles, neutral included.
-[[nodiscard]] SettingsError Validate(const Settings& settings, int style_count) noexcept;
 
 // How streams are processed; the same for all performers. The defaults are those of styled.toml;
 // model/stylist/tuning.h has their sources.

@@ -99,7 +99,7 @@ def read(file):
 
 
 def forgotten(file, header, sources):
-    """FILE CLASS: the members that Carry does not name."""
+    """FILE CLASS: the members that Carry does not name; or that its body is neither in the header nor in the source."""
     found = {}
     header = without_comments(header)
     for name, body in classes(header):
@@ -112,7 +112,11 @@ def forgotten(file, header, sources):
             other, of_class = CARRIED_BY[f'{file} {name}']
             carry = carry_of(of_class, 'void Carry(Checkpoint& c);', read(other))
         if carry is None:
+            if re.search(r'\bCarry\(Checkpoint', own):
+                found[f'{file} {name}'] = ['the body of Carry']
             continue
+        # A structured binding that names every member carries none of them.
+        carry = re.sub(r'\bauto\s*&\s*\[[^\]]*\]\s*=\s*\*this;', '', carry)
         missing = [member for member in members(own) if not re.search(r'\b' + member + r'\b', carry)]
         if missing:
             found[f'{file} {name}'] = missing
@@ -147,6 +151,14 @@ class Carry(unittest.TestCase):
             };"""
         self.assertEqual({'a.h Stage': ['velocity_'], 'a.h Part': ['lost']},
                          forgotten('a.h', header, 'void Stage::Part::Carry(Checkpoint& c) noexcept { c(kept); }'))
+
+    def test_a_member_that_is_only_bound_is_found(self):
+        header = 'struct Stage { float a = 0, b = 0; void Carry(Checkpoint& c) { auto& [a, b] = *this; c(a); } };'
+        self.assertEqual({'a.h Stage': ['b']}, forgotten('a.h', header, ''))
+
+    def test_a_carry_without_a_body_is_found(self):
+        header = 'struct Stage { float value_ = 0; void Carry(Checkpoint& c) noexcept; };'
+        self.assertEqual({'a.h Stage': ['the body of Carry']}, forgotten('a.h', header, ''))
 
     def test_it_reads_the_classes_there_are(self):
         self.assertGreater(len(self.headers()), 20)

@@ -8,6 +8,7 @@ import warnings
 
 import styled
 from styled.commands import LOOK_FIELDS, ROOTS
+from styled.look_options import LOOK_OPTIONS
 from styled.v1 import look_pb2
 
 EXIT_REFUSED, EXIT_USAGE, EXIT_NO_DAEMON = 1, 2, 3
@@ -53,8 +54,8 @@ def parse():
     for name in LOOK_FIELDS:
         if name == 'vary_each':
             continue  # a word of --vary
-        change.add_argument(*look_options(name), dest=name,
-                            help=LOOK_HELP.get(name), **look_kind(name))
+        options, text = look_options(name)
+        change.add_argument(*options, dest=name, help=text, **look_kind(name))
     command('clear', 'fade to bypass', run_clear, 'optional')
     for name, text, run in (
             ('like', 'make a style from an example clip, and set the performer to it', run_like),
@@ -181,23 +182,12 @@ def weights(texts):
     return mix
 
 
-FORMER_OPTIONS = {'parts': ['--only'], 'input_style': ['--from']}
-
-
 def look_options(field):
-    """'--input-style' and '--from' of input_style; without the unit of transition_ms."""
-    word = 'amount' if field == 'vary_amount' else field.removesuffix('_ms').removesuffix('_s')
-    option = '--' + word.replace('_', '-')
-    return [option] + FORMER_OPTIONS.get(field, [])
-
-
-LOOK_HELP = {'strength': '0 to 1.5', 'transition_ms': 'fade of this and later changes',
-             'absolute': "the network's pose as it is", 'parts': 'e.g. head,left-arm; the others as captured',
-             'input_style': "the performer's own style, which is removed",
-             'root': "where on the floor: as captured, or at the style's speed",
-             'vary': 'the variation of the style: 1 to 99; 0: the style itself; each: a different one per performer',
-             'vary_amount': 'amount of the variation: 0 (the style itself) to 1.5',
-             'drift_s': 'the variation changes slowly: seconds to the next one; 0: constant'}
+    """'--input-style' and '--from' of input_style, and what they do."""
+    word, former, text = LOOK_OPTIONS[field]
+    if field == 'vary':
+        text += '; each: a different one per performer'
+    return ['--' + name.replace('_', '-') for name in (word, former) if name], text.replace('%', '%%')
 
 
 def in_unit(unit):

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "model/clip/bind_clip.h"
 #include "model/clip/write.h"
@@ -117,8 +119,12 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
       "the input's folder relative to the named one; - is the standard output. The extension "
       "decides the format: " +
           clip::FormatNames());
+  std::vector<std::string> formats;
+  for (const clip::Format& format : clip::Formats()) {
+    formats.emplace_back(format.extension.substr(1));
+  }
   app.add_option("--format", arguments.format, "the format of the standard output")
-      ->check(CLI::IsMember({"bvh", "glb"}));
+      ->check(CLI::IsMember(formats));
 #ifdef STYLED_PREVIEW
   app.add_option("--preview", arguments.preview,
                  "also a picture of input and output, .png, or a video of both, .mp4 (needs "

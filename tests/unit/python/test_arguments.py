@@ -11,6 +11,8 @@ import zmq
 
 import styled
 import styled.aio
+from styled.commands import LOOK_FIELDS
+from styled.look_options import LOOK_OPTIONS
 
 HEADS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../../../clients/python/examples/heads.py')
 NOBODY = 'ipc:///tmp/styled-nobody'
@@ -46,6 +48,17 @@ CONTROL = {
                               (ValueError, math.inf, 'inf')], '(seconds )?above 0'),
     'curve': SUBSCRIBER['curve'],
 }
+
+
+class OptionsTest(unittest.TestCase):
+    def test_set_has_an_option_with_help_for_each_field_of_a_look(self):
+        self.assertEqual(set(LOOK_OPTIONS), {'mix', *LOOK_FIELDS})
+        for field, (word, _, text) in LOOK_OPTIONS.items():
+            self.assertTrue(word and text, field)
+        shown = subprocess.run([sys.executable, '-m', 'styled', 'set', '--help'], capture_output=True, text=True, check=True).stdout
+        for option in ('--transition MS', '--input-style NAME', '--from NAME', '--amount X', '--vary 0..99|each'):
+            self.assertIn(option, shown)
+        self.assertIn('the variation changes slowly', ' '.join(shown.split()))
 
 
 class ConstructorsTest(unittest.TestCase):

@@ -1,5 +1,5 @@
 // Looks of performers: the change that restores one, and the stored looks of several.
-import type { Look, SetInit, Stats } from 'styled-client';
+import { LookSchema, type Look, type SetInit, type Stats } from 'styled-client';
 
 /** How a performer is set: a style, and whether it is pinned. */
 export interface Setting {
@@ -12,9 +12,11 @@ export function settingsOf(stats: Stats | undefined): Map<string, Setting> {
   return new Map((stats?.performers ?? []).flatMap(({ performer, look, pinned }) => (look ? [[performer, { look, pinned }] as const] : [])));
 }
 
-// The fields of a look beside its mix, the preset that the mix came from, and its fade. look.proto's, which
-// tests/documents/test_look.py compares.
-const FIELDS = ['strength', 'absolute', 'parts', 'inputStyle', 'root', 'vary', 'varyEach', 'varyAmount', 'driftS'] as const;
+// The fields of look.proto that are handled one by one here: a look's mix, the preset that the mix came from, its fade,
+// and `clear`, which is a command. And all the others.
+const APART = ['mix', 'preset', 'transitionMs', 'clear'] as const;
+type Field = Exclude<keyof Look, (typeof APART)[number] | `$${string}`>;
+const FIELDS = LookSchema.fields.map(({ localName }) => localName).filter((name): name is Field => !(APART as readonly string[]).includes(name));
 
 // The content of a look as text, without fades.
 function textOf(look: Look): string {
