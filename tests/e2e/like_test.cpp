@@ -176,7 +176,7 @@ TEST_F(LikeTest, APerformerShowsTheStyle) {
   });
   const v1::Reply stopped = control_.Ask(request);
   EXPECT_EQ(stopped.code(), v1::CODE_NOT_READY);
-  EXPECT_THAT(stopped.reason(), HasSubstr("like: the performer's frames stopped or began anew "));
+  EXPECT_THAT(stopped.reason(), HasSubstr("like: the performer's frames stopped or restarted "));
   moving.join();
   Sleep(0.4);
   const v1::Reply silent = control_.Ask(request);
