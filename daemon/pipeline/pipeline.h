@@ -33,7 +33,6 @@ namespace styled::pipeline {
 // stylist::kMaxStepsPerFrame steps of the network, and consecutive frames kMeanStepsPerFrame each.
 // The worst cycle of a source with native datagrams is therefore 32 * 64 steps (10 ms at 5 us each)
 // once, and 32 * 8 after that.
-// once, and 32 * 8 after that.
 class Pipeline final : public Worker, public source::Receiver {
  public:
   // `source_names[i]` is the name of source number i of the transports. `epoch` is random and
