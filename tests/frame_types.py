@@ -22,7 +22,7 @@ WAY = [
     ("daemon/log/frame_history.h", ["FillFate", "Add"]),
     ("daemon/log/entry.h", ["Write"]),
 ]
-# What outlives a frame, and what is a number.
+# Types that outlive a frame, and types of numbers.
 LASTING = set("Admission Bundle CarriedProps Counter HotSection Layer Performer Publisher Styling Writer".split())
 NUMBERS = set("Quat Timecode Vec3".split())
 TYPE = re.compile(r"\b(?:\w+::)*([A-Z][a-z]\w*)\b(?=\s*[&*>]|\s+\w+\s*[,)=(])")

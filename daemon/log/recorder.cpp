@@ -103,7 +103,7 @@ void Recorder::OnRequest(std::int64_t now_ns, const v1::Request& request, const 
 
 void Recorder::OnFrames(int source, std::span<const decide::FrameInTransit> frames,
                         std::int64_t receive_ns, std::int64_t /*wall_ns*/) {
-  if (paused_.load(std::memory_order_relaxed)) return;  // counted as lost: what came in
+  if (paused_.load(std::memory_order_relaxed)) return;  // the arrival is counted as lost
   const auto at = static_cast<std::size_t>(source);
   fates_.Clear();
   fates_.set_source(source_names_[at]);

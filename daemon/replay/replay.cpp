@@ -323,7 +323,7 @@ class Player {
   }
 
  private:
-  // Hands over the arrivals of a source, or of all with "", whose decisions are known by now.
+  // Delivers the arrivals of a source, or of all with "", whose decisions are known by now.
   void Deliver(const std::string& source) {
     for (auto arrival = undecided_.begin(); arrival != undecided_.end();) {
       if (!source.empty() && arrival->source() != source) {

@@ -76,7 +76,7 @@ void Stylist::Impl::UpdateTravel(Output& out) noexcept {
   out.cadence = stride.cadence();
 }
 
-// What a performer does in another style tells nothing of their neutral.
+// Motion in another style contains nothing of the neutral of a performer.
 void Stylist::Impl::RemoveNeutral(const body::Pose& input) noexcept {
   const neutral::Reference* const reference = Reference();
   if (reference == nullptr) {

@@ -19,7 +19,7 @@ const RefusalReason* FindRefusalReason(std::string_view counter);
 // The cure with the performer's id.
 std::string CureText(const RefusalReason& reason, std::string_view performer);
 
-// What became of a frame, why, and what to do about it, in a sentence or a few: "frame 1234:
+// The fate of a frame, its reason and its remedy, in one to three sentences: "frame 1234:
 // published without style for 3.1 ms. ...". The same text in stylectl, the page and stylerec. Empty
 // fields are left out. Allocates; any thread. Pinned by tests/unit/daemon/perform/explain_test.cpp.
 std::string ExplainText(const v1::FrameFate& fate);

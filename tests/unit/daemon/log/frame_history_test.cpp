@@ -32,7 +32,7 @@ v1::FrameFate Newest(const FrameHistory& history) {
 
 TEST(FrameHistoryTest, AnEmptyHistoryHasNoFrames) { EXPECT_EQ(FrameHistory().size(), 0U); }
 
-// What is stored in a cache line, and what a recording gets from the frame itself.
+// A cache line stores some fields; a recording gets the others from the frame itself.
 TEST(FrameHistoryTest, AFrameIsKeptAsItIsRecorded) {
   source::SourceFrame given;
   given.is_body = true;
