@@ -21,21 +21,22 @@ ROWS = {
     "model/base": "",
     "model/body": "model/base",
     "model/rig": "model/base model/body",
-    "model/neutral": "model/base model/body",
+    "model/gait": "model/base model/body",
+    "model/neutral": "model/base model/body model/gait",
     "model/synthetic": STAGES,
     "model/clip": STAGES,
     "model/feet": STAGES,
     "model/devices": STAGES + " model/feet",
-    "model/net": STAGES + " model/neutral model/net",
+    "model/net": STAGES + " model/gait model/neutral model/net",
     "model/net/kernels": "model/base",
-    "model/stylist": STAGES + " model/feet model/neutral model/net",
+    "model/stylist": STAGES + " model/feet model/gait model/neutral model/net",
     "model/trial": STAGES + " model/net model/stylist model/synthetic",
-    "model/train": STAGES + " model/clip model/neutral model/net",
+    "model/train": STAGES + " model/clip model/gait model/neutral model/net",
     "model/train/erd": STAGES + " model/clip model/net model/train",
     "model/train/stgcn": STAGES + " model/clip model/net model/train",
     "model/train/stgcn_causal": STAGES + " model/clip model/net model/train",
     "model/train/baselines": STAGES + " model/clip model/net model/train",
-    "model/train/judge": STAGES + " model/clip model/feet model/neutral model/net model/stylist model/trial model/train",
+    "model/train/judge": STAGES + " model/clip model/feet model/gait model/neutral model/net model/stylist model/trial model/train",
     "model/tools": "model",
     # Bytes that cross a process border.
     "proto/ipc": "model/base",
@@ -111,7 +112,7 @@ def broken_rule(file, header):
         return TESTS_RULE
     family = family_of(header)
     if family and not within(file, "tests"):
-        if within(file, f"model/net/{family}") or within(file, "model/train"):
+        if within(file, f"model/net/{family}") or within(file, "model/train") or within(file, "model/tools"):
             return ""
         if BUILT_ON.get(family_of(file)) == family:
             return ""
