@@ -246,8 +246,10 @@ class Loader {
     for (const toml::node& node : *styles) {
       const toml::table& table = *node.as_table();
       ManifestStyle style;
-      if (!OnlyKeys(table, {"name", "labels", "aliases"}) ||
+      if (!OnlyKeys(table, {"name", "labels", "aliases", "licence", "credit"}) ||
           !String(table, "name", true, style.name) ||
+          !String(table, "licence", false, style.licence) ||
+          !String(table, "credit", false, style.credit) ||
           !Strings(table, "labels", true, style.labels) ||
           !Strings(table, "aliases", false, style.aliases) ||
           !AddLabels(node, "styles", style.name, style.labels, styles_)) {

@@ -55,6 +55,7 @@ struct ManifestEntry {
 struct ManifestStyle {
   std::string name;
   std::vector<std::string> labels, aliases;
+  std::string licence, credit;  // of its clips, if others than the set's; optional keys
 };
 struct Manifest {
   std::string name, licence;

@@ -4,15 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
-#include <limits>
-#include <optional>
 #include <random>
-#include <string_view>
 #include <unordered_map>
 
 #include "model/body/heading.h"
-#include "model/clip/clip.h"
-#include "model/rig/dialects.h"
+#include "model/clip/entry_reader.h"
 #include "model/train/persons.h"
 
 namespace styled::train {
@@ -57,42 +53,12 @@ void RunFilters(const erd::FeatureParameters& parameters, double still_speed_mps
   }
 }
 
-// The performer's place and heading, as a transform on the floor.
-struct Place {
-  float heading_rad;
-  body::Vec3 hips_m;
-};
-Place PlaceOf(const body::Pose& pose) {
-  body::WorldPose world;
-  body::ForwardKinematics(pose, world);
-  return {body::Heading_rad(world), pose.hips_position_m};
-}
-
 }  // namespace
 
 int TrainingClip::ContentOf(int start, int length) const {
   if (still_count.empty()) return content;
   const int still = still_count[start + length - 1] - (start > 0 ? still_count[start - 1] : 0);
   return 2 * still > length ? still_content : content;
-}
-
-std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int frames) {
-  std::vector<body::Pose> out = loop;
-  if (loop.size() < 2) return out;
-  const Place first = PlaceOf(loop.front());
-  while (static_cast<int>(out.size()) < frames) {
-    const Place last = PlaceOf(out.back());
-    const body::Quat turn = body::Yaw(last.heading_rad - first.heading_rad);
-    for (std::size_t i = 1; i < loop.size(); ++i) {
-      body::Pose pose = loop[i];
-      const float height_m = pose.hips_position_m.y();
-      pose.hips_position_m = last.hips_m + turn * (pose.hips_position_m - first.hips_m);
-      pose.hips_position_m.y() = height_m;
-      pose.rotations[body::kHips] = turn * pose.rotations[body::kHips];
-      out.push_back(pose);
-    }
-  }
-  return out;
 }
 
 Miscalibration DrawMiscalibration(std::uint64_t seed) {
@@ -187,88 +153,6 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
   }
 }
 
-namespace {
-
-// Binds skeletons to the canonical humanoid; keeps the last one, since most sets have only one.
-class Binder {
- public:
-  static constexpr std::string_view kStanding = "standing";
-
-  Result<const rig::Binding*> Bind(const clip::Clip& clip, const std::string& dialect) {
-    const bool standing = dialect == kStanding;
-    if (!binding_ || standing || dialect_ != dialect || binding_->skeleton() != clip.skeleton) {
-      Result<rig::Binding> bound =
-          standing ? clip::BindStanding(clip) : rig::BindDialect(clip.skeleton, dialect);
-      if (!bound.ok()) return bound.status();
-      binding_.emplace(std::move(bound.value()));
-      dialect_ = dialect;
-    }
-    return &*binding_;
-  }
-
- private:
-  std::optional<rig::Binding> binding_;
-  std::string dialect_;
-};
-
-// The height of the floor, from the feet and toes at their lowest compared with a standing
-// figure's, m. The share kOnTheFloor of the frames' lowest values counts, so that no single wrong
-// frame decides; it is far less than the share of a jump in which a foot stands.
-constexpr double kOnTheFloor = 0.02;
-float FloorUnderFeet_m(const std::vector<body::Pose>& poses) {
-  body::WorldPose standing;
-  body::ForwardKinematics(body::Pose(), standing);
-  std::vector<float> lowest_m;
-  for (const body::Pose& pose : poses) {
-    body::WorldPose world;
-    body::ForwardKinematics(pose, world);
-    float lowest = std::numeric_limits<float>::max();
-    for (const int joint : {body::kLeftFoot, body::kRightFoot, body::kLeftToes, body::kRightToes}) {
-      lowest = std::min(lowest, world.positions_m[joint].y() - standing.positions_m[joint].y());
-    }
-    lowest_m.push_back(lowest);
-  }
-  const auto place = static_cast<long>(kOnTheFloor * static_cast<double>(lowest_m.size()));
-  std::nth_element(lowest_m.begin(), lowest_m.begin() + place, lowest_m.end());
-  return lowest_m[place];
-}
-
-// The poses of an entry at `rate_hz`: without the part before the motion, resampled, put on the
-// floor, a loop repeated, then cut to its part in time.
-Result<std::vector<body::Pose>> ReadPoses(const clip::ManifestEntry& entry, double rate_hz,
-                                          Binder& binder) {
-  Result<clip::Clip> source = clip::ReadBvh(entry.file);
-  if (!source.ok()) return source.status();
-  const Result<const rig::Binding*> binding = binder.Bind(source.value(), entry.rig);
-  if (!binding.ok()) {
-    return Status::Error(entry.file.string() + ": " + binding.status().message());
-  }
-  auto& frames = source.value().frames;
-  const auto skipped = static_cast<std::size_t>(std::lround(entry.skip_s * source.value().rate_hz));
-  if (skipped >= frames.size()) {
-    return Status::Error(entry.file.string() + ": skip_s leaves nothing of the clip");
-  }
-  frames.erase(frames.begin(), frames.begin() + static_cast<long>(skipped));
-  std::vector<body::Pose> poses = clip::ToCanonical(source.value(), *binding.value());
-  if (std::abs(source.value().rate_hz / rate_hz - 1.0) > 1e-3) {
-    poses = clip::ResamplePoses(poses, source.value().rate_hz, rate_hz);
-  }
-  if (entry.floor_at_feet) {
-    const float floor_m = FloorUnderFeet_m(poses);
-    for (body::Pose& pose : poses) pose.hips_position_m.y() -= floor_m;
-  }
-  if (entry.repeat_s > 0) {
-    poses = RepeatLoop(poses, static_cast<int>(std::ceil(entry.repeat_s * rate_hz)));
-  }
-  const auto frame_at = [&poses](double share) {
-    return static_cast<long>(std::lround(share * static_cast<double>(poses.size())));
-  };
-  return std::vector<body::Pose>{poses.begin() + frame_at(entry.from),
-                                 poses.begin() + frame_at(entry.to)};
-}
-
-}  // namespace
-
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
                                             const std::string& split,
                                             const erd::FeatureParameters& parameters,
@@ -279,10 +163,10 @@ Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,
   }
   std::vector<TrainingClip> clips;
   std::unordered_map<std::string, int> sources;
-  Binder binder;
+  clip::EntryReader reader;
   for (const clip::ManifestEntry& entry : manifest.entries) {
     if (entry.split != split) continue;
-    Result<std::vector<body::Pose>> poses = ReadPoses(entry, parameters.rate_hz, binder);
+    Result<std::vector<body::Pose>> poses = reader.Read(entry, parameters.rate_hz);
     if (!poses.ok()) return poses.status();
     TrainingClip clip;
     clip.file = entry.file.string();

@@ -66,10 +66,6 @@ void FillWindow(const TrainingClip& clip, int start, int length, bool mirrored, 
                 const erd::FeatureParameters& parameters, const WindowView& out,
                 const Miscalibration* wrong = nullptr);
 
-// The poses of a loop (its last frame equals the first), repeated with a continued path until there
-// are at least `frames`.
-std::vector<body::Pose> RepeatLoop(const std::vector<body::Pose>& loop, int frames);
-
 // Reads every clip of `split` with at least `min_frames` frames at `rate_hz`, with persons removed
 // (persons.h). Errors name the file or the person.
 Result<std::vector<TrainingClip>> LoadClips(const clip::Manifest& manifest,

@@ -6,6 +6,7 @@
 
 #include "model/body/heading.h"
 #include "model/clip/clip.h"
+#include "model/clip/entry_reader.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/train/walker.h"
 
@@ -100,7 +101,7 @@ TEST(Dataset, ALoopGoesOnAlongItsPath) {
     loop[t].rotations[body::kLeftUpperLeg] =
         body::Exp(body::Vec3(0.5F * std::sin(6.2832F * round), 0, 0));
   }
-  const std::vector<body::Pose> out = RepeatLoop(loop, 60);
+  const std::vector<body::Pose> out = clip::RepeatLoop(loop, 60);
   ASSERT_EQ(out.size(), 61U);
   for (std::size_t i = 1; i < out.size(); ++i) {
     const body::Quat turn = out[i - 1].rotations[body::kHips].conjugate() * out[i].rotations[0];
