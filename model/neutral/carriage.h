@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
+#include "model/gait/curve.h"
 
 namespace styled::neutral {
 
@@ -25,6 +27,11 @@ struct Carriage {
   }
 };
 
+// How people walk and run in neutral, by gait phase.
+struct Gaits {
+  gait::Curve walking, running;
+};
+
 // The carriage of the performers that a network was trained on, in its neutral style, while they
 // stand with hanging arms, walk and run. Symmetric, since training mirrors clips. Also the mean
 // speeds at which they walk and run, canonical metres per second, which separate walking from
@@ -33,6 +40,9 @@ struct Carriage {
 struct Reference {
   Carriage standing, walking, running;
   float walk_mps = 1.2F, run_mps = 2.8F;
+  // Only for a family that changes gaits by their phase: the gaits of many people, which need not
+  // be those of the carriages above. With them, a performer's own gaits are learned.
+  std::optional<Gaits> gaits;
 };
 
 }  // namespace styled::neutral

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "model/base/smooth.h"
 #include "model/body/heading.h"
@@ -89,9 +88,8 @@ float Ordinary::Of(int joint) const noexcept {
   }
 }
 
-Ordinary JudgeOrdinary(const Pose& pose, float speed_mps, const Reference& reference) noexcept {
-  WorldPose world;
-  body::ForwardKinematics(pose, world);
+Ordinary JudgeOrdinary(const WorldPose& world, float speed_mps,
+                       const Reference& reference) noexcept {
   Ordinary ordinary;
   ordinary.heading_rad = body::Heading_rad(world);
   ordinary.moving = SmoothStep(speed_mps, tuning::kStands * reference.walk_mps,
@@ -118,29 +116,20 @@ Ordinary JudgeOrdinary(const Pose& pose, float speed_mps, const Reference& refer
   return ordinary;
 }
 
-// The speed of the hips over the floor, averaged over a step. The window is at most as long as the
-// session, so that a session that begins in mid-stride does not begin with the speed of standing.
-float Neutral::Speed_mps(const Vec3& hips_m, float dt_s) noexcept {
-  const Vec3 step_m(hips_m.x() - last_hips_m_.x(), 0, hips_m.z() - last_hips_m_.z());
-  last_hips_m_ = hips_m;
-  const bool first = !std::exchange(placed_, true);
-  if (first || step_m.norm() > tuning::kFastest_mps * dt_s) {
-    seen_ = 0;  // the former velocity is useless
-    return velocity_mps_.norm();
-  }
-  const float share = DecayShare(dt_s, tuning::kSpeed_s);
-  seen_ += share * (1 - seen_);
-  if (seen_ > 0 && dt_s > 0) velocity_mps_ += share / seen_ * (step_m / dt_s - velocity_mps_);
-  return velocity_mps_.norm();
-}
-
 void Neutral::Follow(const Pose& input, float dt_s, bool learns,
                      const Reference& reference) noexcept {
-  const float speed_mps = Speed_mps(input.hips_position_m, dt_s);
-  const Ordinary ordinary = JudgeOrdinary(input, speed_mps, reference);
+  WorldPose world;
+  body::ForwardKinematics(input, world);
+  velocity_.Follow(input.hips_position_m, dt_s);
+  const Ordinary ordinary = JudgeOrdinary(world, velocity_.mps().norm(), reference);
   heading_rad_ = ordinary.heading_rad;
-  if (learns && !calibrated_ && ordinary.body > 0 && seen_ > 0) {
-    Learn(input, ordinary, std::min(dt_s, tuning::kLongest_s), reference);
+  const bool learned = learns && !calibrated_ && ordinary.body > 0 && velocity_.known();
+  if (learned) Learn(input, ordinary, std::min(dt_s, tuning::kLongest_s), reference);
+  if (reference.gaits) {
+    tracker_.Follow(world, ordinary.heading_rad, velocity_.mps(), dt_s);
+    const float run = gait::RunShare(tracker_.phase(), velocity_.mps().norm());
+    running_ += DecayShare(dt_s, tuning::kRunFade_s) * (run - running_);
+    FollowGait(input, learned ? ordinary.body : 0, std::min(dt_s, tuning::kLongest_s), reference);
   }
   if (calibrates_s_ > 0) {
     calibrates_s_ = std::max(0.0F, calibrates_s_ - dt_s);
@@ -176,6 +165,66 @@ void Neutral::Learn(const Pose& input, const Ordinary& ordinary, float dt_s,
   add(seconds_[kArms], dt_s * std::min(ordinary.left_arm, ordinary.right_arm));
 }
 
+namespace {
+
+// A series about the rotations `from`, about `to` instead.
+gait::Series MovedTo(const gait::Series& series, const gait::Rotations& from,
+                     const gait::Rotations& to) {
+  gait::Series moved = series;
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const Quat mean = from[j] * body::Exp(series.col(0).segment<3>(3 * joint));
+    moved.col(0).segment<3>(3 * joint) = body::Log(to[j].conjugate() * mean);
+  }
+  return moved;
+}
+
+// The gait of many people with this performer's carriage: the same pattern about their mean.
+gait::Series PriorOf(const gait::Curve& gait, const Carriage& turns, const Carriage& usual) {
+  gait::Series prior = gait.series;
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const Quat own = turns.rotations[j].conjugate() * usual.rotations[j];
+    prior.col(0).segment<3>(3 * joint) += body::Log(gait.mean[j].conjugate() * own);
+  }
+  return prior;
+}
+
+}  // namespace
+
+// A sample of the gait now and then, for walking and running in their shares, and now and then the
+// curves of all samples.
+void Neutral::FollowGait(const Pose& input, float learned, float dt_s,
+                         const Reference& reference) noexcept {
+  const Gaits& usual = *reference.gaits;
+  sample_s_ += dt_s;
+  if (sample_s_ >= tuning::kSample_s) {
+    const float seconds = sample_s_ * learned * phase().confidence;
+    sample_s_ = 0;
+    stale_ = stale_ || learned > 0;
+    if (seconds > 0) {
+      const gait::Terms terms = gait::TermsAt(phase().phase_rad);
+      const gait::Rotations own = gait::HeadingRelative(input, heading_rad_);
+      const auto learn = [&](OwnGait& gait, const gait::Curve& mean, float share) {
+        if (share > 0) gait.Learn(terms, gait::VectorsAbout(mean.mean, own), share * seconds);
+      };
+      learn(walk_, usual.walking, 1 - running_);
+      learn(run_, usual.running, running_);
+    }
+  }
+  solved_s_ += dt_s;
+  if (!stale_ || solved_s_ < tuning::kSolved_s) return;
+  SolveGaits(reference);
+}
+
+void Neutral::SolveGaits(const Reference& reference) noexcept {
+  const Gaits& usual = *reference.gaits;
+  walk_.Solve(PriorOf(usual.walking, learned_, reference.walking));
+  run_.Solve(PriorOf(usual.running, learned_, reference.running));
+  stale_ = false;
+  solved_s_ = 0;
+}
+
 void Neutral::RemoveCarriage(const Pose& input, Pose& out) const noexcept {
   out.hips_position_m = input.hips_position_m;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
@@ -189,8 +238,8 @@ void Neutral::RemoveCarriage(const Pose& input, Pose& out) const noexcept {
 
 // An invalid rotation would stay in every frame that follows.
 void Neutral::Carry(Checkpoint& c) noexcept {
-  c(learned_, used_, seconds_, calibrates_s_, heading_rad_, last_hips_m_, velocity_mps_, seen_,
-    placed_, calibrated_);
+  c(learned_, used_, seconds_, calibrates_s_, heading_rad_, velocity_, tracker_, walk_, run_,
+    running_, sample_s_, solved_s_, stale_, calibrated_);
   if (!c.reads() || !c.ok()) return;
   constexpr float kTolerance = 1e-3F;
   const auto is_turn = [](const Quat& turn) { return std::abs(turn.norm() - 1) <= kTolerance; };
@@ -200,8 +249,9 @@ void Neutral::Carry(Checkpoint& c) noexcept {
   if (!std::all_of(learned_.rotations.begin(), learned_.rotations.end(), is_turn) ||
       !std::all_of(used_.rotations.begin(), used_.rotations.end(), is_turn) ||
       !std::all_of(seconds_.begin(), seconds_.end(), is_time) || !(calibrates_s_ >= 0) ||
-      !std::isfinite(calibrates_s_) || !std::isfinite(heading_rad_) || !last_hips_m_.allFinite() ||
-      !velocity_mps_.allFinite() || !(seen_ >= 0 && seen_ <= 1)) {
+      !std::isfinite(calibrates_s_) || !std::isfinite(heading_rad_) ||
+      !(running_ >= 0 && running_ <= 1) || !(sample_s_ >= 0 && std::isfinite(sample_s_)) ||
+      !(solved_s_ >= 0 && std::isfinite(solved_s_))) {
     c.Refuse();
   }
 }
@@ -211,6 +261,8 @@ float Neutral::learned() const { return seconds_[kBody] / (seconds_[kBody] + tun
 void Neutral::Forget() noexcept {
   learned_ = Carriage();
   seconds_.fill(0);
+  walk_ = run_ = OwnGait();
+  stale_ = true;
   calibrated_ = false;
   calibrates_s_ = 0;
 }
@@ -221,11 +273,22 @@ void Neutral::Calibrate(float seconds) noexcept {
 }
 
 Known Neutral::Tell(const Reference& reference) const noexcept {
-  Known known{{}, seconds_[kBody], seconds_[kArms], calibrated_};
+  Known known;
+  known.body_s = seconds_[kBody];
+  known.arms_s = seconds_[kArms];
+  known.calibrated = calibrated_;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     known.own.rotations[joint] =
         (learned_.rotations[joint].conjugate() * reference.walking.rotations[joint]).normalized();
   }
+  if (!reference.gaits) return known;
+  const auto tell = [&known](const OwnGait& gait, const gait::Curve& usual, gait::Series& series,
+                             float& seconds) {
+    series = MovedTo(gait.series(), usual.mean, known.own.rotations);
+    seconds = gait.seconds();
+  };
+  tell(walk_, reference.gaits->walking, known.walking, known.walking_s);
+  tell(run_, reference.gaits->running, known.running, known.running_s);
   return known;
 }
 
@@ -240,6 +303,14 @@ void Neutral::Know(const Known& known, const Reference& reference) noexcept {
   for (float& seconds : seconds_) seconds = std::clamp(seconds, 0.0F, tuning::kRemembered_s);
   calibrated_ = known.calibrated;
   used_ = learned_;
+  if (!reference.gaits) return;
+  const auto know = [&known](const gait::Series& series, float seconds, const gait::Curve& usual,
+                             OwnGait& gait) {
+    gait.Know(MovedTo(series, known.own.rotations, usual.mean), seconds);
+  };
+  know(known.walking, known.walking_s, reference.gaits->walking, walk_);
+  know(known.running, known.running_s, reference.gaits->running, run_);
+  SolveGaits(reference);
 }
 
 }  // namespace styled::neutral

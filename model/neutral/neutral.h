@@ -6,7 +6,11 @@
 #include "model/base/checkpoint.h"
 #include "model/base/realtime.h"
 #include "model/body/pose.h"
+#include "model/gait/tracker.h"
+#include "model/gait/velocity.h"
 #include "model/neutral/carriage.h"
+#include "model/neutral/own_gait.h"
+#include "model/neutral/tuning.h"
 
 namespace styled::neutral {
 
@@ -23,7 +27,7 @@ struct Ordinary {
 };
 // Evaluates a pose, canonical and finite, by its shape and by the hips' smoothed speed over the
 // floor. Pure.
-STYLED_REALTIME Ordinary JudgeOrdinary(const body::Pose& pose, float speed_mps,
+STYLED_REALTIME Ordinary JudgeOrdinary(const body::WorldPose& world, float speed_mps,
                                        const Reference& reference) noexcept;
 
 // The learned neutral of a performer, independent of the network: to be kept over a restart.
@@ -32,6 +36,9 @@ struct Known {
   float body_s = 0;         // seconds of ordinary standing and moving that it was learned from,
   float arms_s = 0;         // and of hanging arms: 0 .. tuning::kRemembered_s
   bool calibrated = false;  // set by a calibration; it no longer changes
+  // Their gaits, about `own`, and the seconds that they were learned from; 0: nothing is known.
+  gait::Series walking = gait::Series::Zero(), running = gait::Series::Zero();
+  float walking_s = 0, running_s = 0;
 
   friend bool operator==(const Known&, const Known&) = default;
 };
@@ -45,6 +52,9 @@ struct Known {
 // by speed), the turn C_j is the running mean of M_j q_j^-1, so the network sees C_j q_j; for the
 // hips, in the frame of the heading. Frames are weighted by how ordinary they are, so that an act
 // is not mistaken for a carriage. No joint's turn exceeds a bound of its class (tuning.h).
+//
+// If the reference has gaits, the phase of the performer's gait is followed, and their own gaits
+// are learned, too (OwnGait), for a family that changes gaits by their phase.
 //
 // Value type of fixed size, no allocation; one thread at a time. Time is the sum of `dt_s`.
 // Mathematics: model/README.md, 1. Pinned by tests/unit/neutral/neutral_test.cpp.
@@ -71,6 +81,13 @@ class Neutral {
   // The turns that are in effect; identity where nothing was learned.
   const Carriage& turns() const { return used_; }
 
+  // Only if the reference has gaits. The phase of the performer's gait in the last frame.
+  const gait::Phase& phase() const { return tracker_.phase(); }
+  float running() const { return running_; }  // 0 walks, 1 runs
+  // The performer's own gaits, about the means of the reference's.
+  const OwnGait& walk() const { return walk_; }
+  const OwnGait& run() const { return run_; }
+
   // Starts learning again for `seconds`, from the performer's current motion. After that it no
   // longer changes, if enough of the motion was ordinary (tuning::kEnough_s); otherwise learning
   // continues as without a calibration.
@@ -87,7 +104,9 @@ class Neutral {
 
  private:
   enum Class : std::uint8_t { kBody, kArms };
-  float Speed_mps(const body::Vec3& hips_m, float dt_s) noexcept;
+  void FollowGait(const body::Pose& input, float learned, float dt_s,
+                  const Reference& reference) noexcept;
+  void SolveGaits(const Reference& reference) noexcept;
   void Learn(const body::Pose& input, const Ordinary& ordinary, float dt_s,
              const Reference& reference) noexcept;
 
@@ -96,9 +115,14 @@ class Neutral {
   bool calibrated_ = false;
   float calibrates_s_ = 0;
   float heading_rad_ = 0;  // of the pose last followed
-  body::Vec3 last_hips_m_ = body::Vec3::Zero(), velocity_mps_ = body::Vec3::Zero();  // horizontal
-  float seen_ = 0;  // 0 .. 1: the share of the velocity's average that has been filled
-  bool placed_ = false;
+  gait::Velocity velocity_;
+  gait::Tracker tracker_;
+  OwnGait walk_, run_;
+  float running_ = 0;
+  // Since the last sample of a gait, and since the curves were last found; whether they no longer
+  // are those of all samples.
+  float sample_s_ = 0, solved_s_ = tuning::kSolved_s;
+  bool stale_ = true;
 };
 
 }  // namespace styled::neutral

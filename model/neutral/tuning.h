@@ -15,15 +15,20 @@ inline constexpr float kRemembered_s = 30.0F;
 // The least standing and walking that a calibration needs, s: one step. It is half of the shortest
 // calibration that can be requested, so that its performer need not hold still all the time.
 inline constexpr float kEnough_s = 0.5F;
+// The weight of the prior of a performer's own gait, as seconds of it: of the pattern about the
+// mean, and of the mean itself, which the carriage already has.
+inline constexpr float kPattern_s = 1.5F, kPatternMean_s = 0.25F;
+// Time constant with which a walk turns into a run and back, s: about a step.
+inline constexpr float kRunFade_s = 0.15F;
+// A gait is learned from samples this far apart, s, and its curve is found again after this time,
+// s.
+inline constexpr float kSample_s = 0.03F, kSolved_s = 0.25F;
 // A longer time between two frames counts as this, s, because the motion in between is unknown.
 inline constexpr float kLongest_s = 0.1F;
 // Time constant with which a change of the neutral takes effect, s. Larger: a calibration and the
 // first steps change the style more softly, and later. No measurement on record.
 inline constexpr float kFade_s = 0.2F;
 
-// Time constant of the average of the hips' velocity, s; and the speed beyond which a step is a
-// jump of the rig's origin, m/s. As for a stride (model/stylist/tuning.h).
-inline constexpr float kSpeed_s = 0.2F, kFastest_mps = 12.0F;
 // Shares of the mean walking speed below which a performer stands, and above which they walk; in
 // between, the two carriages are mixed. As for a stride.
 inline constexpr float kStands = 0.15F, kWalks = 0.5F;

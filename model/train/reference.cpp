@@ -38,8 +38,10 @@ std::optional<neutral::Reference> MeasureReference(std::span<const TrainingClip>
       for (const bool mirrored : {false, true}) {
         Pose pose = clip.poses[at];
         if (mirrored) body::Mirror(pose, pose);
+        body::WorldPose world;
+        body::ForwardKinematics(pose, world);
         const neutral::Ordinary ordinary =
-            neutral::JudgeOrdinary(pose, SpeedAt(clip.poses, at, rate_hz), reference);
+            neutral::JudgeOrdinary(world, SpeedAt(clip.poses, at, rate_hz), reference);
         pose.rotations[body::kHips] =
             body::Yaw(-ordinary.heading_rad) * pose.rotations[body::kHips];
         for (int joint = 0; joint < kJointCount; ++joint) {

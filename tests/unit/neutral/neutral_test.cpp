@@ -334,8 +334,10 @@ TEST_F(NeutralTest, ACheckpointGoesOnBitForBit) {
 
 // A turn that is not a rotation would make every later frame unsound.
 TEST_F(NeutralTest, ACheckpointWithoutSenseIsRefused) {
-  const auto bytes = Written(neutral_);  // numbers, then two flags
-  for (std::size_t at = 0; at + 4 <= bytes.size() - 2; at += 4) {
+  const auto bytes = Written(neutral_);
+  // Two carriages, three times and the heading; the other parts' own tests damage the rest.
+  constexpr std::size_t kNumbers = 2 * 4 * std::size_t{kJointCount} + 4;
+  for (std::size_t at = 0; at < 4 * kNumbers; at += 4) {
     auto damaged = bytes;
     const float nan = std::numeric_limits<float>::quiet_NaN();
     std::memcpy(&damaged[at], &nan, 4);
