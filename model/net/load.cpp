@@ -6,6 +6,7 @@
 
 #include "model/net/erd/stylizer.h"
 #include "model/net/offset/stylizer.h"
+#include "model/net/phase/stylizer.h"
 #include "model/net/stgcn/stylizer.h"
 #include "model/net/stgcn_causal/stylizer.h"
 #include "model/net/weights_file.h"
@@ -25,6 +26,7 @@ struct Family {
 constexpr std::array kFamilies = {
     Family{kStyleErd, erd::Load, nullptr, false, true},
     Family{offset::kFamily, offset::Load},
+    Family{phase::kFamily, phase::Load, nullptr, true},
     Family{stgcn::kFamily, nullptr, stgcn::Load, true},
     Family{stgcn_causal::kFamily, stgcn_causal::Load, nullptr, true},
 };

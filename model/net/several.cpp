@@ -7,15 +7,10 @@
 #include <utility>
 
 #include "model/base/smooth.h"
+#include "model/net/several_space.h"
 
 namespace styled::net {
 namespace {
-
-// Where a style of the list is: in which network, and its number there.
-struct Place {
-  std::size_t network = 0;
-  int number = 0;
-};
 
 // The turns that convert the carriage of one network's performers to that of another's.
 using Turns = std::array<body::Quat, body::kJointCount>;
@@ -48,41 +43,18 @@ class Parts final : public Stream {
   bool fresh = true;  // no step since the start
 };
 
-// The styles by their numbers in the network that has a space.
-class Space final : public StyleSpace {
- public:
-  Space(const StyleSpace& inner, std::size_t network, const std::vector<Place>& places,
-        const std::vector<std::vector<int>>& same)
-      : inner_(inner), network_(network), places_(places), same_(same) {}
+// A style of the list: its number in each network that has it, or -1. Two networks: the first one
+// has the style in gaits, the second otherwise.
+struct Homes {
+  std::array<int, kMaxNetworks> numbers;
+  std::array<std::size_t, 2> networks{};
+  std::size_t count = 1;
 
-  int least_frames() const noexcept override { return inner_.least_frames(); }
-  bool IsCode(const StyleCode& code) const override { return inner_.IsCode(code); }
-  StyleCode MakeCode(const StyleRequest& request) const override {
-    StyleRequest theirs = request;
-    for (StyleSource& source : theirs.sources) {
-      if (source.style >= 0) source.style = same_[static_cast<std::size_t>(source.style)][network_];
-    }
-    return inner_.MakeCode(theirs);
+  explicit Homes(Place place = {}) {
+    numbers.fill(-1);
+    numbers[place.network] = place.number;
+    networks[0] = place.network;
   }
-  StyleCode Difference(const StyleCode& code, const StyleCode& from) const override {
-    return inner_.Difference(code, from);
-  }
-  StyleCode Limited(const StyleCode& code) const override { return inner_.Limited(code); }
-  NearestStyle Nearest(const StyleCode& code) const override {
-    NearestStyle nearest = inner_.Nearest(code);
-    if (nearest.style == 0) return nearest;
-    const auto found = std::find_if(places_.begin(), places_.end(), [&](const Place& place) {
-      return place.network == network_ && place.number == nearest.style;
-    });
-    nearest.style = static_cast<int>(found - places_.begin());
-    return nearest;
-  }
-
- private:
-  const StyleSpace& inner_;
-  std::size_t network_;
-  std::vector<Place> places_;           // of the networks' own styles
-  std::vector<std::vector<int>> same_;  // of each of them, the style of that name by network
 };
 
 // One network's part of a job.
@@ -106,12 +78,18 @@ class Several final : public Stylizer {
     FindSame();
     FindTurns();
     FindGate();
-    for (std::size_t n = 0; n < networks_.size() && !space_; ++n) {
-      const StyleSpace* const inner = networks_[n].network->space();
-      if (inner == nullptr) continue;
-      examples_ = n;
-      space_ = std::make_shared<const Space>(*inner, n, places_, same_);
+    std::vector<SeveralSpace::Member> members;
+    for (std::size_t n = 0; n < networks_.size(); ++n) {
+      if (networks_[n].network->space() == nullptr) continue;
+      members.push_back({n, networks_[n].name, networks_[n].network});
     }
+    if (members.empty()) return;
+    std::vector<Place> places;
+    places.reserve(homes_.size());
+    for (const Homes& homes : homes_) {
+      places.push_back({homes.networks[0], homes.numbers[homes.networks[0]]});
+    }
+    space_ = std::make_shared<const SeveralSpace>(std::move(members), std::move(places), same_);
   }
 
   const Model& model() const noexcept override { return model_; }
@@ -121,30 +99,43 @@ class Several final : public Stylizer {
                                        const StyleCode& code) const override {
     if (!space_) return nullptr;
     const auto at = static_cast<std::size_t>(number);
-    assert(at <= places_.size());
+    assert(at <= homes_.size());
     std::shared_ptr<Several> with(new Several(*this));
-    auto& network = with->networks_[examples_].network;
-    const bool more = at == places_.size();
-    const int theirs = more ? static_cast<int>(network->model().styles.size()) : places_[at].number;
-    network = network->With(theirs, style, code);
-    if (more) {
-      with->places_.push_back({examples_, theirs});
+    if (at == homes_.size()) {
+      with->homes_.emplace_back().numbers.fill(-1);
       with->same_.emplace_back(networks_.size(), 0);
-      with->same_.back()[examples_] = theirs;
       with->model_.styles.emplace_back();
     }
-    with->model_.styles[at] = network->model().styles[static_cast<std::size_t>(theirs)];
-    with->model_.styles[at].model = networks_[examples_].name;
+    Homes& homes = with->homes_[at];
+    with->same_[at].assign(networks_.size(), 0);
+    homes.count = 0;
+    for (const SeveralSpace::Part& part : space_->Split(code)) {
+      auto& network = with->networks_[part.network].network;
+      int& theirs = homes.numbers[part.network];
+      if (theirs < 0) theirs = static_cast<int>(network->model().styles.size());
+      network = network->With(theirs, style, part.code);
+      with->same_[at][part.network] = theirs;
+      homes.networks[homes.count++] = part.network;
+    }
+    assert(homes.count > 0);
+    const std::size_t first = homes.networks[0];
+    StyleInfo& info = with->model_.styles[at];
+    info = with->networks_[first].network->model().styles[static_cast<std::size_t>(
+        homes.numbers[first])];
+    info.model = networks_[first].name;
     return with;
   }
 
   std::shared_ptr<const Stylizer> Retired(int number) const override {
     if (!space_) return nullptr;
     const auto at = static_cast<std::size_t>(number);
-    assert(at < places_.size() && places_[at].network == examples_);
+    assert(at < homes_.size());
     std::shared_ptr<Several> without(new Several(*this));
-    auto& network = without->networks_[examples_].network;
-    network = network->Retired(places_[at].number);
+    const Homes& homes = homes_[at];
+    for (std::size_t i = 0; i < homes.count; ++i) {
+      auto& network = without->networks_[homes.networks[i]].network;
+      network = network->Retired(homes.numbers[homes.networks[i]]);
+    }
     without->model_.styles[at].retired = true;
     return without;
   }
@@ -198,10 +189,9 @@ class Several final : public Stylizer {
       : Stylizer(),
         networks_(other.networks_),
         model_(other.model_),
-        places_(other.places_),
+        homes_(other.homes_),
         same_(other.same_),
         turns_(other.turns_),
-        examples_(other.examples_),
         space_(other.space_),
         stay_awake_(other.stay_awake_) {}
 
@@ -224,7 +214,7 @@ class Several final : public Stylizer {
         } else {
           model_.styles.push_back(style);
         }
-        places_.push_back({n, static_cast<int>(s)});
+        homes_.emplace_back(Place{n, static_cast<int>(s)});
       }
     }
   }
@@ -238,24 +228,32 @@ class Several final : public Stylizer {
   }
 
   void FindSame() {
-    for (std::size_t s = 0; s < places_.size(); ++s) {
+    for (std::size_t s = 0; s < homes_.size(); ++s) {
       std::vector<int>& same = same_.emplace_back(networks_.size(), 0);
       for (std::size_t n = 0; n < networks_.size(); ++n) {
-        const bool own = places_[s].network == n;
-        same[n] = own ? places_[s].number
-                      : std::max(0, FindStyle(networks_[n].network->model().styles,
-                                              model_.styles[s].original));
+        const int own = homes_[s].numbers[n];
+        same[n] = own >= 0 ? own
+                           : std::max(0, FindStyle(networks_[n].network->model().styles,
+                                                   model_.styles[s].original));
       }
     }
   }
 
-  // The narrowest bounds of all networks, because the active style changes while limbs are held.
+  // The narrowest bounds of all networks, because the active style changes while limbs are held. A
+  // family that follows gaits reconstructs every pose, so that its bounds say nothing.
   void FindGate() {
-    model_.gate = networks_.front().network->model().gate;
+    const auto says = [](const NamedNetwork& named) {
+      const auto& reference = named.network->model().reference;
+      return !reference || !reference->gaits;
+    };
+    const auto first = std::find_if(networks_.begin(), networks_.end(), says);
+    if (first == networks_.end()) return;
+    model_.gate = first->network->model().gate;
     const auto narrow = [](GateBounds::Range& to, const GateBounds::Range& from) {
       to = {std::min(to.begin_m, from.begin_m), std::min(to.end_m, from.end_m)};
     };
     for (const NamedNetwork& named : networks_) {
+      if (!says(named)) continue;
       const GateBounds& own = named.network->model().gate;
       narrow(model_.gate.arms, own.arms);
       narrow(model_.gate.trunk, own.trunk);
@@ -269,10 +267,14 @@ class Several final : public Stylizer {
     for (const NamedNetwork& named : networks_) {
       const auto& reference = named.network->model().reference;
       if (!model_.reference) model_.reference = reference;
+      if (reference && reference->gaits && !model_.reference->gaits) {
+        model_.reference->gaits = reference->gaits;
+      }
     }
     for (std::size_t n = 0; n < networks_.size(); ++n) {
       const auto& own = networks_[n].network->model().reference;
-      if (!own || own->walking == model_.reference->walking) continue;
+      // A family that follows gaits knows the performer's own carriage.
+      if (!own || own->gaits || own->walking == model_.reference->walking) continue;
       turns_[n].emplace();
       for (std::size_t joint = 0; joint < turns_[n]->size(); ++joint) {
         (*turns_[n])[joint] =
@@ -281,19 +283,28 @@ class Several final : public Stylizer {
     }
   }
 
-  // Divides a job's styles among the networks that have them. Neutral belongs to the input style's
-  // network.
+  // Divides a job's styles among the networks that have them; a style of two, by how sure the
+  // performer's gait is. Neutral belongs to the input style's network.
   void Divide(const StepJob& job, std::span<Share> shares) const noexcept {
-    const std::size_t home =
-        job.input_style > 0 && static_cast<std::size_t>(job.input_style) < places_.size()
-            ? places_[static_cast<std::size_t>(job.input_style)].network
-            : 0;
+    const std::size_t home = Home(job.input_style);
+    const float gait =
+        job.performer == nullptr
+            ? 0
+            : SmoothStep(job.performer->neutral->phase().confidence, kGaitBegins, kGaitIsSure);
     for (const StyleWeight& style : job.styles) {
-      if (style.style < 0 || static_cast<std::size_t>(style.style) >= places_.size()) continue;
+      if (style.style < 0 || static_cast<std::size_t>(style.style) >= homes_.size()) continue;
       const float weight = style.weight > 0 ? std::min(style.weight, kMaxStrength) : 0.0F;
-      const Place place =
-          style.style == 0 ? Place{home, 0} : places_[static_cast<std::size_t>(style.style)];
-      shares[place.network].Add(place.number, weight);
+      if (style.style == 0) {
+        shares[home].Add(0, weight);
+        continue;
+      }
+      const Homes& homes = homes_[static_cast<std::size_t>(style.style)];
+      const auto add = [&](std::size_t i, float share) {
+        const std::size_t network = homes.networks[i];
+        if (share > 0) shares[network].Add(homes.numbers[network], share * weight);
+      };
+      add(0, homes.count == 1 ? 1 : gait);
+      if (homes.count > 1) add(1, 1 - gait);
     }
   }
 
@@ -320,7 +331,7 @@ class Several final : public Stylizer {
   // otherwise the first.
   std::size_t Home(int input_style) const noexcept {
     const auto at = static_cast<std::size_t>(input_style);
-    return input_style > 0 && at < places_.size() ? places_[at].network : 0;
+    return input_style > 0 && at < homes_.size() ? homes_[at].networks[0] : 0;
   }
 
   // Steps at most kTogether streams. The networks run one after the other, each for all jobs, so
@@ -356,7 +367,8 @@ class Several final : public Stylizer {
                            std::span(share.styles).first(share.count),
                            part.stream.get(),
                            &part.out,
-                           jobs[j].variations};
+                           jobs[j].variations,
+                           jobs[j].performer};
       }
       if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
       if (turns_[n]) TurnBack(jobs, n);
@@ -422,11 +434,10 @@ class Several final : public Stylizer {
 
   std::vector<NamedNetwork> networks_;
   Model model_;
-  std::vector<Place> places_;                // of model_.styles
+  std::vector<Homes> homes_;                 // of model_.styles
   std::vector<std::vector<int>> same_;       // of each style, the networks' styles of that name
   std::vector<std::optional<Turns>> turns_;  // by network; empty: its carriage is model_'s
-  std::size_t examples_ = 0;                 // the network that has the space
-  std::shared_ptr<const Space> space_;
+  std::shared_ptr<const SeveralSpace> space_;
   int stay_awake_ = 0;
 };
 

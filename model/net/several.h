@@ -11,9 +11,13 @@
 // as if they belonged to one network.
 //
 // Styles. The list has the first network's styles, then those of the others without their neutral,
-// then styles added by With, which belong to the first network that has a space. A name that is
-// already in use gets its network's name as a prefix: "graph-elderly". net::StyleInfo has the
-// style's network, and its name there.
+// then styles added by With. A name that is already in use gets its network's name as a prefix:
+// "graph-elderly". net::StyleInfo has the style's network, and its name there.
+//
+// Styles of examples. If one network follows gaits (its reference has some), a style that an
+// example with a gait makes belongs to it while the performer is in a gait, and otherwise to the
+// first other network that takes examples; both are faded by the confidence of the gait
+// (several_space.h).
 //
 // Step. A network runs while one of its styles is active, and for kStayAwake_s after that. While no
 // style is active, only the first one runs, because its reconstruction shows whether the pose is
@@ -34,6 +38,10 @@ inline constexpr float kStayAwake_s = 10.0F;
 // families' learned starts are inaccurate (8 frames: three times the later distance to the
 // teacher).
 inline constexpr int kWakeSteps = 8;
+
+// The confidence of a gait between which a style of two networks fades from the one to the other. A
+// performer who surely walks does not keep the other network awake.
+inline constexpr float kGaitBegins = 0.1F, kGaitIsSure = 0.9F;
 
 struct NamedNetwork {
   std::string name;  // of its file, without ".safetensors"

@@ -55,6 +55,10 @@ struct StyleInfo {
   // Their mean cadence, steps of either foot per minute; 0: not measured.
   float walk_spm = 0, run_spm = 0;
   std::optional<Posture> posture;  // empty: not measured
+  // Where the style's own clips come from, if it owes others than its file: the licence ("CC BY
+  // 4.0"), and who is to be credited. "": as the file.
+  std::string licence, credit;
+  bool designable = false;  // StyleSpace::Design can change its sliders
   // Retired: its name was reassigned, or it can no longer be selected, so FindStyle skips it. It
   // may still be fading out.
   bool retired = false;

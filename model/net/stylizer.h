@@ -14,7 +14,7 @@
 #include "model/net/gate_bounds.h"
 #include "model/net/style_space.h"
 #include "model/net/styles.h"
-#include "model/neutral/carriage.h"
+#include "model/neutral/neutral.h"
 
 // The interface of every style network to the rest of the program. Input: poses of the canonical
 // humanoid; output: rotations, at the network's own rate. Features, filters and recurrent state
@@ -80,6 +80,17 @@ struct VariationWeight {
 // results (8 kB each) fit into that cache beside a layer's weights.
 inline constexpr std::size_t kTogether = 16;
 
+// The performer of a stream, for families that follow their gait. Owns nothing.
+struct Performer {
+  const body::Pose* own = nullptr;            // the pose as bound, with the performer's carriage
+  const neutral::Neutral* neutral = nullptr;  // followed up to `own`
+  const neutral::Reference* reference = nullptr;  // of `neutral`; it has gaits
+  // The time from `own` to the frame that shows the step's result: the delay of the stylist's
+  // filters. A gait's phase can be predicted over it.
+  float delay_s = 0;
+  double time_s = 0;  // of `own`; source time, from any moment on
+};
+
 // One stream's step. Owns nothing; `stream` must come from the same Stylizer.
 struct StepJob {
   const body::Pose* pose = nullptr;     // canonical, finite, unit rotations
@@ -89,6 +100,7 @@ struct StepJob {
   Prediction* out = nullptr;
   // The requested styles are shown in these variations; empty: the styles themselves.
   std::span<const VariationWeight> variations = {};
+  const Performer* performer = nullptr;  // null: not known
 };
 
 // A network with its weights. Immutable; shared by all performers and threads.

@@ -104,6 +104,21 @@ void ReadPosture(const json& entry, const std::string& place, StyleInfo& style, 
   }
 }
 
+// Optional texts: "licence" and "credit".
+void ReadOrigin(const json& entry, const std::string& place, StyleInfo& style, Faults& faults) {
+  constexpr std::size_t kMost = 300;  // bytes, of a line in lists
+  for (const auto& [key, text] :
+       {std::pair{"licence", &style.licence}, {"credit", &style.credit}}) {
+    const auto found = entry.find(key);
+    if (found == entry.end()) continue;
+    if (!found->is_string() || found->get_ref<const std::string&>().size() > kMost) {
+      faults.Key(place + "." + key, "a text of at most 300 bytes", Shown(*found));
+      continue;
+    }
+    *text = Printable(found->get<std::string>(), kMost);
+  }
+}
+
 void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
   const json* list = FindKey(metadata, "styles", faults);
   if (list == nullptr) return;
@@ -128,6 +143,7 @@ void ReadStyles(const json& metadata, Styles& styles, Faults& faults) {
     }
     ReadMeasured(entry, place, style, faults);
     ReadPosture(entry, place, style, faults);
+    ReadOrigin(entry, place, style, faults);
     styles.push_back(std::move(style));
     // The first is neutral, whatever it is called.
     if (s > 0 && FindStyle({styles.back()}, "neutral") == 0) {
@@ -348,6 +364,8 @@ json HeaderOf(const Model& model) {
       if (style.*measured.value > 0) entry[measured.key] = style.*measured.value;
     }
     if (style.posture) entry["posture"] = AsJson(*style.posture);
+    if (!style.licence.empty()) entry["licence"] = style.licence;
+    if (!style.credit.empty()) entry["credit"] = style.credit;
   }
   const json training = json::parse(model.training, nullptr, /*allow_exceptions=*/false);
   json header = {{"version", kWeightsVersion},

@@ -17,6 +17,7 @@ void StepTogether(std::span<const BatchEntry> entries) noexcept {
       Predictor::Step& step = steps[count];
       if (!entry.predictor->Next(*entry.input, step)) continue;
       jobs[count] = entry.predictor->JobOf(step, *entry.mixer);
+      if (entry.performer.neutral != nullptr) jobs[count].performer = &entry.performer;
       stepping[count++] = &entry;
     }
     if (count == 0) return;

@@ -14,6 +14,7 @@ struct BatchEntry {
   const body::Pose* input = nullptr;  // canonical
   const Mixer* mixer = nullptr;
   const StyleDelta* near = nullptr;  // see Predictor::Accept
+  net::Performer performer;          // without a neutral: not known
 };
 
 // Runs every network step that is due for these frames, with the results of each performer alone,

@@ -147,6 +147,12 @@ void Predictor::BlendAbsolute(const Pose& input, const Mixer& mixer,
   }
 }
 
+// State i of k is i ticks old.
+float Predictor::delay_s() const noexcept {
+  const auto k = static_cast<float>(std::max(1, interleaver_.interleaved()));
+  return (k - 1) / (2 * k * network_->model().rate_hz);
+}
+
 void Predictor::Prefetch() const noexcept {
   constexpr std::size_t kLine = 64;
   const auto used = static_cast<std::size_t>(std::max(1, interleaver_.interleaved()));

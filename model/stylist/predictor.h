@@ -75,6 +75,8 @@ class Predictor {
   bool any() const { return stepped_.any(); }  // a state has stepped since the last restart
   bool unsound() const { return unsound_; }    // a prediction of this frame was not sound
   int steps() const { return steps_; }         // network steps of this frame
+  // The mean age of the interleaved states' newest predictions, s.
+  float delay_s() const noexcept;
   double frame_period_s() const { return interleaver_.frame_period_s(); }
   // Reconstruction error of the newest step: rms joint angle between reconstruction and input,
   // without toes.

@@ -20,7 +20,7 @@ void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
     Impl& s = *jobs[i].stylist->impl_;
     // 1 Bind: the source pose, with invalid joints held, as a pose of the canonical humanoid.
     s.Bind(jobs[i].time_ns, *jobs[i].in, *jobs[i].out);
-    entries[i] = s.EntryOf();
+    entries[i] = s.EntryOf(*jobs[i].out);
   }
   // 2 Network: each due recurrent state predicts the pose reconstructed and styled.
   StepTogether<kMost>(std::span(entries).first(jobs.size()));
@@ -40,6 +40,19 @@ void Stylist::ProcessSome(std::span<const Job> jobs) noexcept {
     s.GuardOutput(*job.out);
     s.Finish(*job.out);
   }
+}
+
+// Source time counts from any moment; a day of it is exact to a tenth of a nanosecond.
+constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+
+BatchEntry Stylist::Impl::EntryOf(const Output& out) noexcept {
+  BatchEntry entry{&predictor, &seen, &mixer, &filter.near(), {}};
+  if (const neutral::Reference* const reference = Gaits(); reference != nullptr) {
+    entry.performer = {&out.canonical_input, &neutral, reference,
+                       filter.delay_s() + predictor.delay_s(),
+                       static_cast<double>(last_ns % kDay_ns) * 1e-9};
+  }
+  return entry;
 }
 
 void Stylist::Process(std::int64_t time_ns, const rig::RigPose& in, Output& out) noexcept {

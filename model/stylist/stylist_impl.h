@@ -50,9 +50,12 @@ struct Stylist::Impl {
     const auto& reference = predictor.network()->model().reference;
     return options.neutral && reference ? &*reference : nullptr;
   }
-  STYLED_REALTIME BatchEntry EntryOf() noexcept {
-    return {&predictor, &seen, &mixer, &filter.near()};
+  // Null if the performer's gait is not followed.
+  STYLED_REALTIME const neutral::Reference* Gaits() const noexcept {
+    const auto& reference = predictor.network()->model().reference;
+    return reference && reference->gaits ? &*reference : nullptr;
   }
+  STYLED_REALTIME BatchEntry EntryOf(const Output& out) noexcept;
 
   std::shared_ptr<const rig::Binding> binding;
   Options options;
