@@ -44,8 +44,9 @@ class RecipesTest(unittest.TestCase):
 
     def commands(self, recipe):
         with open(os.path.join(RECIPES, recipe), encoding='utf-8') as text:
-            needs_weights = "recipe_needs='WEIGHTS '" in text.read()
-        arguments = ['--dry-run'] + ([WEIGHTS] if needs_weights else []) + ['RUNS']
+            needs = re.search("recipe_needs='(.*) '", text.read())
+        named = [{'WEIGHTS': WEIGHTS, 'DIR': ROOT}[needs[1]]] if needs else []
+        arguments = ['--dry-run'] + named + ['RUNS']
         done = run(recipe, *arguments)
         self.assertEqual((0, ''), (done.returncode, done.stderr))
         return [line for line in done.stdout.splitlines() if line.startswith('style')]
@@ -56,7 +57,7 @@ class RecipesTest(unittest.TestCase):
         for recipe in self.recipes:
             with self.subTest(recipe=recipe):
                 commands = self.commands(recipe)
-                self.assertGreater(len(commands), 1)
+                self.assertGreater(len(commands), 0)
                 self.assertEqual([], wrong(commands, known))
 
     def test_arguments_are_checked(self):
