@@ -24,12 +24,19 @@ Poses LiveRestyler::Restyle(std::span<const body::Pose> clip, const Target& targ
   return RestyleBy(clip, code);
 }
 
-Poses LiveRestyler::RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const {
+Poses LiveRestyler::RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code,
+                              const neutral::Known* known) const {
   const auto number = static_cast<int>(styler_.network->model().styles.size());
   const auto network = styler_.network->With(number, {.name = "target"}, code);
   Switch all{.frame = 0, .settings = OneStyle(number, false)};
   all.settings.root = styler_.root;
-  return StyleStream(network, styler_.binding, options_, {&all, 1}, clip, rate_hz());
+  return StyleStream(network, styler_.binding, options_, {&all, 1}, clip, rate_hz(), known);
+}
+
+neutral::Known LiveRestyler::Calibrated(std::span<const body::Pose> clip) const {
+  neutral::Known known = LearnNeutral(styler_.network, styler_.binding, options_, clip, rate_hz());
+  known.calibrated = known.body_s > 0;
+  return known;
 }
 
 }  // namespace styled::judge

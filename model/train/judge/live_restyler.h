@@ -18,8 +18,11 @@ class LiveRestyler final : public Restyler {
   double rate_hz() const override { return kStreamRate_hz; }
   bool Has(int style) const override;
   Poses Restyle(std::span<const body::Pose> clip, const Target& target) const override;
-  // The same by a code of the network's space.
-  Poses RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code) const;
+  // The same by a code of the network's space. `known`, unless null: the performer's neutral.
+  Poses RestyleBy(std::span<const body::Pose> clip, const net::StyleCode& code,
+                  const neutral::Known* known = nullptr) const;
+  // The neutral of a clip's performer, at rate_hz(), as calibrated: it no longer changes.
+  neutral::Known Calibrated(std::span<const body::Pose> clip) const;
 
  private:
   const Styler& styler_;

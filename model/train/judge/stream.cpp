@@ -22,26 +22,57 @@ stylist::Settings OneStyle(int style, bool absolute) {
   return settings;
 }
 
+namespace {
+
+// Feeds canonical poses of a constant rate to a stylist.
+class Feed {
+ public:
+  Feed(const rig::Skeleton& skeleton, double rate_hz)
+      : output_(skeleton), source_(skeleton), rate_hz_(rate_hz) {}
+
+  const body::Pose& Next(const body::Pose& input, stylist::Stylist& stylist) {
+    source_.translations[0] = input.hips_position_m;
+    std::copy(input.rotations.begin(), input.rotations.end(), source_.rotations.begin());
+    const auto time_ns =
+        static_cast<std::int64_t>(std::llround(1e9 * static_cast<double>(frame_++) / rate_hz_));
+    stylist.Process(time_ns + 1, source_, output_);
+    return output_.canonical;
+  }
+
+ private:
+  stylist::Output output_;
+  rig::RigPose source_;
+  double rate_hz_;
+  std::size_t frame_ = 0;
+};
+
+}  // namespace
+
 Poses StyleStream(const std::shared_ptr<const net::Stylizer>& network,
                   const std::shared_ptr<const rig::Binding>& binding,
                   const stylist::Options& options, std::span<const Switch> switches,
-                  std::span<const body::Pose> input, double rate_hz) {
+                  std::span<const body::Pose> input, double rate_hz, const neutral::Known* known) {
   stylist::Stylist stylist(network, binding, options);
-  stylist::Output output(binding->skeleton());
-  rig::RigPose source(binding->skeleton());
+  if (known != nullptr) stylist.Know(*known);
+  Feed feed(binding->skeleton(), rate_hz);
   Poses styled;
   styled.reserve(input.size());
   auto next = switches.begin();
   for (std::size_t i = 0; i < input.size(); ++i) {
     while (next != switches.end() && next->frame <= i) stylist.Set((next++)->settings);
-    source.translations[0] = input[i].hips_position_m;
-    std::copy(input[i].rotations.begin(), input[i].rotations.end(), source.rotations.begin());
-    const auto time_ns =
-        static_cast<std::int64_t>(std::llround(1e9 * static_cast<double>(i) / rate_hz));
-    stylist.Process(time_ns + 1, source, output);
-    styled.push_back(output.canonical);
+    styled.push_back(feed.Next(input[i], stylist));
   }
   return styled;
+}
+
+neutral::Known LearnNeutral(const std::shared_ptr<const net::Stylizer>& network,
+                            const std::shared_ptr<const rig::Binding>& binding,
+                            const stylist::Options& options, std::span<const body::Pose> input,
+                            double rate_hz) {
+  stylist::Stylist stylist(network, binding, options);
+  Feed feed(binding->skeleton(), rate_hz);
+  for (const body::Pose& pose : input) feed.Next(pose, stylist);
+  return stylist.Tell();
 }
 
 body::Pose ConstantOffset::Apply(const body::Pose& pose) const {

@@ -25,7 +25,8 @@ Poses Thin(std::span<const body::Pose> poses);
 stylist::Settings OneStyle(int style, bool absolute);
 
 // The stylist's output for `input` (at `rate_hz`) as one session. `switches` take effect at their
-// frames, which must be in ascending order.
+// frames, which must be in ascending order. `known`, unless null, is the performer's neutral, which
+// the stylist gets before the first frame.
 struct Switch {
   std::size_t frame = 0;
   stylist::Settings settings;
@@ -33,7 +34,14 @@ struct Switch {
 Poses StyleStream(const std::shared_ptr<const net::Stylizer>& network,
                   const std::shared_ptr<const rig::Binding>& binding,
                   const stylist::Options& options, std::span<const Switch> switches,
-                  std::span<const body::Pose> input, double rate_hz = kStreamRate_hz);
+                  std::span<const body::Pose> input, double rate_hz = kStreamRate_hz,
+                  const neutral::Known* known = nullptr);
+// The neutral that a stylist learns from such an input, unstyled. Empty for a network without a
+// reference and without Options::neutral, as in Stylist::Tell.
+neutral::Known LearnNeutral(const std::shared_ptr<const net::Stylizer>& network,
+                            const std::shared_ptr<const rig::Binding>& binding,
+                            const stylist::Options& options, std::span<const body::Pose> input,
+                            double rate_hz = kStreamRate_hz);
 
 // The baseline that a network must beat: a constant rotation per joint.
 struct ConstantOffset {
