@@ -379,7 +379,7 @@ TEST_F(StylizeClips, WeightsWithoutAStyleEncoderAreNamed) {
   offset::WriteTestWeights(weights_);
   EXPECT_NE(Refusal({"--like", in}, in)
                 .find("--like: the weights of family \"constant-offset\" have no style encoder; "
-                      "expected weights of family \"st-gcn\" or \"st-gcn-causal\""),
+                      "expected weights of family \"phase\" or \"st-gcn\" or \"st-gcn-causal\""),
             std::string::npos)
       << output_;
   EXPECT_NE(Refusal({"--style", "bent", "--vary", "1"}, in).find("--vary: the weights of family"),

@@ -2,16 +2,20 @@
 // variations and mixes of both.
 #include "model/clip/clip.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 
 #include "model/base/text.h"
 #include "model/clip/bind_clip.h"
 #include "model/net/load.h"
+#include "model/net/shipped_weights.h"
 #include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
@@ -32,22 +36,41 @@ std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
   return static_cast<std::size_t>(duration_s * static_cast<double>(rate_hz) + 1e-6) + 1;
 }
 
-Result<Example> ReadExample(const std::string& text, const std::string& rig,
-                            const net::Model& model, const net::StyleSpace& space) {
-  auto example = ParseExample(text);
-  if (!example.ok()) return example;
-  const auto error = [](const std::string& what) { return Status::Error("--like: " + what); };
-  const std::string& file = example.value().file;
+// The poses of a clip at the network's rate; `option` named it.
+Result<std::vector<body::Pose>> ReadExample(const std::string& file, const char* option,
+                                            const std::string& rig, const net::Model& model,
+                                            const net::StyleSpace& space) {
+  const auto error = [option](const std::string& what) {
+    return Status::Error(std::string(option) + ": " + what);
+  };
   const auto clip = clip::ReadBvh(file);
   if (!clip.ok()) return error(clip.status().message());
   const auto bound = clip::BindClip(clip.value(), rig);
   if (!bound.ok()) return error(file + ": " + bound.status().message());
   const Status length = CheckLength(clip.value(), file, model, space);
   if (!length.ok()) return error(length.message());
-  example.value().poses =
-      clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value().binding),
-                          clip.value().rate_hz, static_cast<double>(model.rate_hz));
-  return example;
+  return clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value().binding),
+                             clip.value().rate_hz, static_cast<double>(model.rate_hz));
+}
+
+// "sneaky", or "stoop=28,energy=0.6".
+Result<net::SliderValues> ParseDesign(const std::string& text, const net::StyleSpace& space) {
+  for (const net::Preset& preset : space.presets()) {
+    if (text == preset.name) return preset.values;
+  }
+  net::SliderValues values;
+  for (const std::string& part : CLI::detail::split(text, ',')) {
+    const std::size_t equals = part.find('=');
+    double value = 0;
+    if (equals == std::string::npos || !CLI::detail::lexical_cast(part.substr(equals + 1), value)) {
+      std::string names;
+      for (const net::Preset& preset : space.presets()) names += std::string(preset.name) + ", ";
+      return Status::Error("--design: \"" + part + "\": expected " + names +
+                           "or SLIDER=NUMBER, e.g. stoop=28");
+    }
+    values.push_back({part.substr(0, equals), static_cast<float>(value)});
+  }
+  return values;
 }
 
 // Reports how near an example is to the training data.
@@ -56,11 +79,20 @@ void PrintDistance(const Example& example, const net::Styles& styles,
   constexpr float kFar = 1;  // the mean distance between styles
   net::StyleRequest alone;
   alone.sources.push_back({-1, {}, example.poses, 1});
-  const net::NearestStyle nearest = space.Nearest(space.MakeCode(alone));
+  const net::StyleCode code = space.MakeCode(alone);
+  const net::NearestStyle nearest = space.Nearest(code);
   const auto& style = styles[static_cast<std::size_t>(nearest.style)];
+  const net::Findings findings = space.Describe(code);
+  const bool far = nearest.distance > kFar && findings.found.empty();
   std::fprintf(stderr, "stylize: %s: nearest to %s, at %s of the mean distance between styles%s\n",
                example.file.c_str(), style.name.c_str(), NumberText(nearest.distance, 2).c_str(),
-               nearest.distance > kFar ? ": unlike all styles that these weights know" : "");
+               far ? ": unlike all styles that these weights know" : "");
+  for (const std::string& found : findings.found) {
+    std::fprintf(stderr, "stylize: %s: found %s\n", example.file.c_str(), found.c_str());
+  }
+  for (const std::string& weak : findings.weak) {
+    std::fprintf(stderr, "stylize: %s: weak: %s\n", example.file.c_str(), weak.c_str());
+  }
 }
 
 // The recipe of the style, with the given weight, if any.
@@ -147,21 +179,36 @@ Status CheckExampleWeights(const Arguments& arguments) {
   return Status::Ok();
 }
 
+Result<std::filesystem::path> FindWeightsFor(const Arguments& arguments) {
+  const bool measured = !arguments.like.empty() || !arguments.design.empty();
+  const bool chosen = !arguments.weights.empty() || std::getenv("STYLED_WEIGHTS") != nullptr;
+  return net::FindWeights(measured && !chosen ? "open" : arguments.weights);
+}
+
 Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& model,
                               const net::StyleSpace* space) {
   Examples examples;
   if (space == nullptr) return examples;
   for (const std::string& text : arguments.like) {
-    auto example = ReadExample(text, arguments.rig, model, *space);
+    auto example = ParseExample(text);
     if (!example.ok()) return example.status();
-    examples.push_back(std::move(example.value()));
+    auto poses = ReadExample(example.value().file, "--like", arguments.rig, model, *space);
+    if (!poses.ok()) return poses.status();
+    example.value().poses = std::move(poses.value());
+    examples.styled.push_back(std::move(example.value()));
+  }
+  if (!arguments.like_neutral.empty()) {
+    auto neutral =
+        ReadExample(arguments.like_neutral, "--like-neutral", arguments.rig, model, *space);
+    if (!neutral.ok()) return neutral.status();
+    examples.neutral = std::move(neutral.value());
   }
   return examples;
 }
 
 void PrintNearest(const Examples& examples, const net::Styles& styles,
                   const net::StyleSpace& space) {
-  for (const Example& example : examples) PrintDistance(example, styles, space);
+  for (const Example& example : examples.styled) PrintDistance(example, styles, space);
 }
 
 Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Examples& examples,
@@ -204,7 +251,7 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
   std::vector<Ingredient> ingredients;
   const Status named = AddNamed(arguments, model.styles, ingredients);
   if (!named.ok()) return named;
-  for (const Example& example : examples) {
+  for (const Example& example : examples.styled) {
     ingredients.push_back({{-1, {}, example.poses, 1}, example.weight});
   }
   const Status shared = ShareRest(arguments, ingredients);
@@ -216,7 +263,23 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
   }
   const auto weight = CheckWeights(arguments, request.sources);
   if (!weight.ok()) return weight.status();
-  return Blend{space.MakeCode(request), weight.value()};
+  // A style that is measured is a change of this performer, of which any share can be shown; the
+  // strength of other codes is a place among the styles that the network knows.
+  Blend blend{{}, weight.value(), 1};
+  const bool measured = !space.Portable(space.MakeCode({.sources = {{.style = 0}}})).empty();
+  if (measured) blend.strength = std::exchange(request.strength, 1.0F);
+  if (!request.sources.empty() || arguments.design.empty()) blend.code = space.MakeCode(request);
+  if (!examples.neutral.empty()) {
+    blend.code = space.Difference(
+        blend.code, space.MakeCode({.sources = {{-1, {}, examples.neutral, 1}}}));
+  }
+  if (arguments.design.empty()) return blend;
+  const auto sliders = ParseDesign(arguments.design, space);
+  if (!sliders.ok()) return sliders.status();
+  auto designed = space.Design(blend.code, sliders.value());
+  if (!designed.ok()) return Status::Error("--design: " + designed.status().message());
+  blend.code = std::move(designed.value());
+  return blend;
 }
 
 Status RefuseClipArguments(const Arguments& arguments, const net::Stylizer& network) {

@@ -45,7 +45,7 @@ int List(const Arguments& arguments) {
   auto network = stylize::LoadNetwork(arguments);
   if (!network.ok()) return Fail(network.status());
   std::printf("%s\n", stylize::StyleNames(network.value().model().styles).c_str());
-  const auto file = styled::net::FindWeights(arguments.weights);
+  const auto file = styled::stylize::FindWeightsFor(arguments);
   for (const auto& other : styled::net::OtherShippedWeights(file.value())) {
     std::fprintf(stderr, "other weights: --weights %s\n", other.stem().c_str());
   }
@@ -202,11 +202,12 @@ class Run {
       guard_.Reads(text, "the example");
       guard_.Reads(text.substr(0, text.rfind('=')), "the example");
     }
+    guard_.Reads(arguments_.like_neutral, "the clip of --like-neutral");
     guard_.Reads(arguments_.neutral, "the clip of --neutral");
     if (arguments_.bind_only) return Status::Ok();
     auto network = stylize::LoadNetwork(arguments_);
     if (!network.ok()) return network.status();
-    if (const auto weights = styled::net::FindWeights(arguments_.weights); weights.ok()) {
+    if (const auto weights = styled::stylize::FindWeightsFor(arguments_); weights.ok()) {
       guard_.Reads(weights.value(), "the weights");
     }
     network_ = std::move(network.value());
@@ -229,7 +230,7 @@ class Run {
       if (!restyler.ok()) return restyler.status();
       restylers_.push_back(std::move(restyler.value()));
     }
-    if (!examples_.empty() && !arguments_.quiet) {
+    if (!examples_.styled.empty() && !arguments_.quiet) {
       stylize::PrintNearest(examples_, network_.model().styles, *stylize::SpaceOf(network_));
     }
     return Status::Ok();

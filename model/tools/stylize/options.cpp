@@ -32,9 +32,18 @@ void AddStyleOptions(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);  // one value per --mix: the next word may be the input
   app.add_option("-l,--like", arguments.like,
                  "an example of the target style, CLIP.bvh or CLIP.bvh=WEIGHT; those without a "
-                 "weight share the rest of 1 equally (weights of family st-gcn)")
+                 "weight share the rest of 1 equally (weights of family phase, for walks and runs; "
+                 "or of st-gcn)")
       ->take_all()
       ->allow_extra_args(false);
+  app.add_option("--like-neutral", arguments.like_neutral,
+                 "a clip of the example's performer without the style: only the difference is "
+                 "used, without their own way of moving")
+      ->needs("--like");
+  app.add_option("--design", arguments.design,
+                 "a style by hand: sneaky, drunk, robot, proud, scared, cold, or "
+                 "SLIDER=NUMBER,SLIDER=NUMBER,...; with --like or --style, on top of it (weights "
+                 "of family phase)");
   CLI::Option* const vary =
       app.add_option("--vary", arguments.vary,
                      "the variation of this number of each named style (weights of family st-gcn)")
@@ -86,7 +95,8 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
 
 void AddFileOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("-w,--weights", arguments.weights,
-                 "weights: a file, or the name of shipped ones, like st-gcn (default: v2)");
+                 "weights: a file, or the name of shipped ones, like st-gcn (default: v2; open for "
+                 "--like and --design)");
   app.add_option("--rig", arguments.rig, "rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
   app.add_option(
@@ -139,7 +149,7 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
 // Options about styling or weights, which have no effect with --bind-only. Not CLI11's excludes(),
 // which would list as many options behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
-    "--style",   "--strength", "--mix",       "--like",        "--vary",    "--amount",
+    "--style",   "--strength", "--mix",       "--like",        "--like-neutral", "--design", "--vary",    "--amount",
     "--window",  "--absolute", "--parts",     "--input-style", "--root",    "--cadence",
     "--neutral", "--posture",  "--no-bypass", "--feet",        "--weights", "--avatar"};
 
@@ -226,7 +236,8 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
       return Status::Error(std::string("--bind-only excludes ") + option);
     }
   }
-  const bool without = arguments.styles.empty() && arguments.mix.empty() && arguments.like.empty();
+  const bool without = arguments.styles.empty() && arguments.mix.empty() &&
+                       arguments.like.empty() && arguments.design.empty();
   if (!arguments.input_style.empty() && without && !arguments.no_bypass) {
     return Status::Error(
         "--input-style: expected --style, --mix or --like, found none: give "

@@ -125,19 +125,21 @@ struct Frames {
 // network.
 Status AddBlend(const Arguments& arguments, const Examples& examples, stylist::Settings& settings,
                 std::shared_ptr<const net::Stylizer>& stylizer) {
-  if (arguments.root != "follow" || arguments.cadence) {
-    return Status::Error(
-        std::string(arguments.cadence ? "--cadence" : "--root stride") +
-        ": the speed of an example or a variation is not known; expected only --style and --mix");
-  }
   auto blend =
       MakeBlend(arguments, examples, stylizer->model(), *stylizer->space(), settings.input_style);
   if (!blend.ok()) return blend.status();
   const auto number = static_cast<int>(stylizer->model().styles.size());
   stylizer = stylizer->With(number, {.name = "blend"}, blend.value().code);
+  const net::StyleInfo& style = stylizer->model().styles.back();
+  if ((arguments.root != "follow" || arguments.cadence) && style.walk_mps + style.run_mps <= 0) {
+    return Status::Error(
+        std::string(arguments.cadence ? "--cadence" : "--root stride") +
+        ": the speed of this style is not known; expected --style, --mix, or an example that walks "
+        "or runs over the floor with weights of the family phase");
+  }
   settings.mix = {};
   settings.mix[0] = {number, 1};
-  settings.strength = 1;  // the code has it
+  settings.strength = blend.value().strength;
   return Status::Ok();
 }
 
@@ -242,7 +244,7 @@ class Effect {
 }  // namespace
 
 Result<net::AnyStylizer> LoadNetwork(const Arguments& arguments) {
-  auto weights = net::FindWeights(arguments.weights);
+  auto weights = FindWeightsFor(arguments);
   if (!weights.ok()) return weights.status();
   return trial::LoadAny(weights.value());
 }
@@ -274,7 +276,7 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
   if (!refused.ok()) return refused;
   auto settings = ParseSettings(arguments, network.model().styles);
   if (!settings.ok()) return settings.status();
-  if (!arguments.like.empty() || arguments.vary) {
+  if (!arguments.like.empty() || !arguments.design.empty() || arguments.vary) {
     const auto added = AddBlend(arguments, examples, settings.value(), restyler.network_.frames);
     if (!added.ok()) return added;
   }

@@ -27,6 +27,8 @@ struct Arguments {
   float strength = 1.0F;
   std::vector<std::string> mix;
   std::vector<std::string> like;      // clips that are examples of the style
+  std::string like_neutral;           // a clip of the examples' performer without the style
+  std::string design;                 // a design's name, or SLIDER=NUMBER,...
   std::optional<std::uint64_t> vary;  // seed of the variation of every style named
   float amount = 1.0F;                // of that variation
   float posture = 1.0F;               // stylist::Options::posture
@@ -113,7 +115,12 @@ struct Example {
   std::optional<float> weight;
   std::vector<body::Pose> poses;  // at the network's rate
 };
-using Examples = std::vector<Example>;
+struct Examples {
+  std::vector<Example> styled;
+  std::vector<body::Pose> neutral;  // of --like-neutral
+};
+// The weights file that the arguments name, or that suits them.
+Result<std::filesystem::path> FindWeightsFor(const Arguments& arguments);
 // Reads the examples that --like names; empty for a network without a space of styles. Errors name
 // the file. Invalid weights are refused by CheckExampleWeights.
 Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& model,
@@ -130,6 +137,7 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Exam
 struct Blend {
   net::StyleCode code;
   float weight = 1;
+  float strength = 1;  // to be applied; 1: the code has it
 };
 Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
                         const net::Model& model, const net::StyleSpace& space, int input_style);
