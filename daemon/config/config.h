@@ -121,6 +121,9 @@ struct Model {
   // File of a second network that makes styles from examples; "" = the shipped one with the shipped
   // weights, none with others. "none": none.
   std::string examples;
+  // File of a network that follows gaits: its styles, and those of examples that walk or run. As
+  // `examples`.
+  std::string gaits;
   std::string precision = "float32";  // the weights' own, or "bfloat16"
   stylist::Options stylist;
 };

@@ -1,5 +1,6 @@
 #include "daemon/control/control_socket.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 
@@ -16,6 +17,12 @@ using runtime::Counter;
 constexpr int kPerCycle = 16;
 constexpr int kMaxInFlight = 32;      // half of the rings' capacity
 constexpr std::size_t kMaxParts = 4;  // parts kept of a message; further ones are read and dropped
+
+// A full ring leaves the exchange where it is.
+template <typename Ring>
+bool PushOrKeep(Ring& ring, std::unique_ptr<pipeline::Exchange>& exchange) {
+  return ring.Push(std::move(exchange));
+}
 
 }  // namespace
 
@@ -37,6 +44,7 @@ int ControlSocket::DoWork() {
   std::unique_ptr<pipeline::Exchange> exchange;
   while (mailboxes_.replies.Pop(exchange)) {
     --in_flight_;
+    if (!exchange->osc.empty() && exchange->designs) designing_ = false;
     ++work;
     if (exchange->reply.code() != v1::CODE_OK) counters_.Add(Counter::kControlRefused);
     if (exchange->osc.empty()) {
@@ -57,7 +65,7 @@ int ControlSocket::DoWork() {
       HandleOsc();
     }
   }
-  return work;
+  return work + PassDesigns();
 }
 
 bool ControlSocket::Receive() {
@@ -111,7 +119,7 @@ void ControlSocket::Handle() {
   const Status size = CheckSize(payload.size(), request.has_like() || request.has_import_style() ||
                                                     request.has_restore_checkpoint());
   if (!size.ok()) return refuse_size(size);
-  if (!Pass(exchange).ok()) Send(exchange->envelope, exchange->reply);
+  if (!Pass(exchange)) Send(exchange->envelope, exchange->reply);
 }
 
 Status ControlSocket::CheckSize(std::size_t bytes, bool has_file) {
@@ -143,27 +151,63 @@ Status ControlSocket::CheckSender() {
 void ControlSocket::HandleOsc() {
   for (auto& exchange : osc_->Read()) {
     if (exchange->reply.code() != v1::CODE_OK) counters_.Add(Counter::kControlRefused);
-    if (exchange->reply.code() == v1::CODE_OK && Pass(exchange).ok()) continue;
+    if (exchange->request.like().has_design()) {
+      exchange->designs = true;
+      Merge(std::move(exchange));
+      continue;
+    }
+    if (exchange->reply.code() == v1::CODE_OK && Pass(exchange)) continue;
     osc_->Answer(*exchange);
   }
 }
 
-Status ControlSocket::Busy(pipeline::Exchange& exchange, const std::string& why) {
+void ControlSocket::Merge(std::unique_ptr<pipeline::Exchange> design) {
+  const auto waiting = std::ranges::find_if(designs_, [&design](const auto& one) {
+    return one->request.performer() == design->request.performer();
+  });
+  if (waiting == designs_.end()) {
+    if (designs_.size() < kMaxInFlight) return designs_.push_back(std::move(design));
+    Busy(*design, "too many designs are waiting; try again");
+    return osc_->Answer(*design);
+  }
+  const v1::Design& newer = design->request.like().design();
+  if (!newer.preset().empty()) {
+    *waiting = std::move(design);
+    return;
+  }
+  auto& sliders = *(*waiting)->request.mutable_like()->mutable_design()->mutable_sliders();
+  for (const auto& [name, value] : newer.sliders()) sliders[name] = value;
+}
+
+// One at a time, so that later values are merged meanwhile, and clients' examples find room.
+int ControlSocket::PassDesigns() {
+  if (designs_.empty() || designing_ || in_flight_ >= kMaxInFlight) return 0;
+  std::unique_ptr<pipeline::Exchange> design = std::move(designs_.front());
+  designs_.erase(designs_.begin());
+  designing_ = true;
+  if (!Pass(design)) {
+    designing_ = false;
+    osc_->Answer(*design);
+  }
+  return 1;
+}
+
+void ControlSocket::Busy(pipeline::Exchange& exchange, const std::string& why) {
   counters_.Add(Counter::kControlBusy);
   counters_.Add(Counter::kControlRefused);
   exchange.reply.set_id(exchange.request.id());
-  Status status = pipeline::Refused(v1::CODE_BUSY, why);
-  pipeline::FillReply(status, exchange.reply);
-  return status;
+  pipeline::FillReply(pipeline::Refused(v1::CODE_BUSY, why), exchange.reply);
 }
 
-Status ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
+bool ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
   if (in_flight_ == kMaxInFlight) {
-    return Busy(*exchange, "too many requests are waiting; try again");
+    Busy(*exchange, "too many requests are waiting; try again");
+    return false;
   }
   if (pipeline::IsStyleRequest(exchange->request)) {
-    if (!mailboxes_.examples.Push(std::move(exchange))) {
-      return Busy(*exchange, "too many examples are waiting; try again");
+    if (!PushOrKeep(mailboxes_.examples, exchange)) {
+      Busy(*exchange, "too many examples are waiting; try again");
+      return false;
     }
     mailboxes_.wake_files.Signal();
   } else {
@@ -171,7 +215,7 @@ Status ControlSocket::Pass(std::unique_ptr<pipeline::Exchange>& exchange) {
     mailboxes_.wake_pipeline.Signal();
   }
   ++in_flight_;
-  return Status::Ok();
+  return true;
 }
 
 void ControlSocket::Refuse(const std::vector<std::vector<std::byte>>& envelope,

@@ -47,10 +47,13 @@ class ControlSocket {
   // Whether a request of `bytes` has an allowed size.
   static Status CheckSize(std::size_t bytes, bool has_file);
   void HandleOsc();
-  // Passes the exchange to the pipeline. An error when too many are in flight: nothing is moved
-  // then, and the exchange has its reply.
-  Status Pass(std::unique_ptr<pipeline::Exchange>& exchange);
-  Status Busy(pipeline::Exchange& exchange, const std::string& why);
+  // A design of OSC: a fader sends many, and only the newest values count.
+  void Merge(std::unique_ptr<pipeline::Exchange> design);
+  int PassDesigns();
+  // Passes the exchange to the pipeline. False when too many are in flight: nothing is moved then,
+  // and the exchange has its reply.
+  bool Pass(std::unique_ptr<pipeline::Exchange>& exchange);
+  void Busy(pipeline::Exchange& exchange, const std::string& why);
   void Refuse(const std::vector<std::vector<std::byte>>& envelope, const Status& status);
   void Send(const std::vector<std::vector<std::byte>>& envelope, const v1::Reply& reply);
 
@@ -63,6 +66,8 @@ class ControlSocket {
   std::vector<std::vector<std::byte>> parts_;
   std::size_t part_count_ = 0;
   int in_flight_ = 0;
+  std::vector<std::unique_ptr<pipeline::Exchange>> designs_;  // that wait; one of each performer
+  bool designing_ = false;                                    // one of them is in flight
   std::atomic<bool> stop_{false};
 };
 

@@ -140,19 +140,33 @@ bool Learn(Arguments& arguments, v1::Request& request) {
   return seconds != 0;
 }
 
+// Sets all sliders.
+bool Design(Arguments& arguments, v1::Request& request) {
+  return Text(arguments, *request.mutable_like()->mutable_design()->mutable_preset());
+}
+
+// /styled/PERFORMER/design/SLIDER: the performer's part of `place`, or "" for another address.
+std::string_view DesignedPerformer(std::string_view place) {
+  constexpr std::string_view kDesign = "/design";
+  return place.size() > kDesign.size() && place.ends_with(kDesign)
+             ? place.substr(0, place.size() - kDesign.size())
+             : std::string_view();
+}
+
 struct Row {
   std::string_view word;
   bool (*read)(Arguments&, v1::Request&);
   std::string_view expected;
 };
 // The commands of a performer beyond the fields of a look. A preset's own request fades, too.
-constexpr std::array<Row, 6> kOfPerformers{{
+constexpr std::array<Row, 7> kOfPerformers{{
     {"style", Style, "a style and, optionally, strength and transition in ms"},
     {"preset", Preset, "a preset and, optionally, transition in ms"},
     {"pin", Pin, "1 or 0"},
     {"clear", Clear, "nothing"},
     {"reset", Reset, "nothing"},
     {"learn", Learn, "a name for the style and, optionally, 1 to 60 seconds"},
+    {"design", Design, "the name of a design"},
 }};
 
 // The value of a button: TouchOSC sends 1 when it is pressed and 0 when it is released. Only a
@@ -202,6 +216,14 @@ Result<v1::Request> ReadOsc(const Message& message) {
   const std::size_t slash = rest.rfind('/');
   const std::string_view word =
       slash == std::string::npos ? std::string_view() : std::string_view(rest).substr(slash + 1);
+  if (const std::string_view who = DesignedPerformer(std::string_view(rest).substr(0, slash));
+      slash != std::string::npos && !who.empty()) {
+    float value = 0;
+    request.set_performer(who == "all" ? "*" : std::string(who));
+    if (!Number(arguments, value) || !arguments.AtEnd()) return refuse("a number");
+    (*request.mutable_like()->mutable_design()->mutable_sliders())[std::string(word)] = value;
+    return request;
+  }
   for (const Row& row : kOfPerformers) {
     if (row.word != word) continue;
     const std::string performer = rest.substr(0, slash);
@@ -218,7 +240,7 @@ Result<v1::Request> ReadOsc(const Message& message) {
   }
   std::string words = "style";
   for (const LookField& field : kLookFields) words.append(", ").append(field.word);
-  words += ", pin, clear, reset, learn";
+  words += ", pin, clear, reset, learn, design, design/SLIDER";
   return refuse("/styled/PERFORMER/ and one of " + words + "; or /styled/cue, /styled/panic");
 }
 

@@ -14,12 +14,13 @@ namespace styled::pipeline {
 struct MadeStyle {
   std::string name;
   net::StyleCode code;
-  std::string source;   // the file or performer that it came from; "" if unknown
-  float seconds = 0;    // length of the example; 0: none
-  std::string nearest;  // the nearest style of the weights
-  float distance = 0;   // distance to `nearest`, as in LikeReply
-  std::string example;  // hash of the example that the library keeps (library.h); "": none
-  std::string licence;  // hash of the weights that it was made with
+  std::string source;         // the file or performer that it came from; "" if unknown
+  float seconds = 0;          // length of the example; 0: none
+  std::string nearest;        // the nearest style of the weights
+  float distance = 0;         // distance to `nearest`, as in LikeReply
+  std::string example;        // hash of the example that the library keeps (library.h); "": none
+  std::string licence;        // of the weights that it was made with; "" if it owes them nothing
+  net::SliderValues sliders;  // that are not at their usual value (net::StyleSpace::SlidersOf)
   // HashOf the text of its file in the library; 0: none. A file with the same hash is not read
   // again.
   std::uint64_t file_hash = 0;

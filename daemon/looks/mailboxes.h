@@ -28,6 +28,7 @@ struct Exchange {
   std::vector<body::Pose> take;  // the performer's motion while it showed a style, for Like.learn_s
   std::optional<Places> places;  // instead of a request: the leader's list of places
   bool followed = false;         // performed by the leader and repeated here; no client waits
+  bool designs = false;          // a design of OSC, which others wait for
 };
 
 // A log line of the pipeline, which does not log itself.

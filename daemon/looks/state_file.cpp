@@ -36,14 +36,45 @@ toml::table RestRow(const KeptRest& rest) {
                      {"rotations", std::move(rotations)}};
 }
 
+// A gait to a hundredth of a degree, so that a performer takes 6 KB.
+toml::table GaitRow(const gait::Series& series, float seconds) {
+  constexpr double kSteps = 1e4;  // per radian
+  toml::array numbers;
+  for (const float value : series.reshaped()) {
+    numbers.push_back(std::round(static_cast<double>(value) * kSteps) / kSteps);
+  }
+  return toml::table{{"seconds", static_cast<double>(seconds)}, {"series", std::move(numbers)}};
+}
+
+// Zeros, and 0 seconds, where there is none.
+void ReadGait(const toml::table& row, const char* key, gait::Series& series, float& seconds) {
+  const toml::table* const gait = row[key].as_table();
+  const toml::array* const numbers = gait == nullptr ? nullptr : (*gait)["series"].as_array();
+  if (numbers == nullptr || numbers->size() != static_cast<std::size_t>(series.size())) return;
+  gait::Series read;
+  for (Eigen::Index i = 0; i < read.size(); ++i) {
+    read.data()[i] = (*numbers)[static_cast<std::size_t>(i)].value_or(0.0F);
+  }
+  const float read_s = (*gait)["seconds"].value_or(0.0F);
+  if (!read.allFinite() || read.cwiseAbs().maxCoeff() > 4 || !std::isfinite(read_s)) return;
+  series = read;
+  seconds = std::max(0.0F, read_s);
+}
+
 toml::table NeutralRow(const KeptNeutral& neutral) {
   toml::array rotations;
   for (const auto& rotation : neutral.known.own.rotations) Add(rotation, rotations);
-  return toml::table{{"binding", Hex(neutral.binding)},
-                     {"calibrated", neutral.known.calibrated},
-                     {"body_s", static_cast<double>(neutral.known.body_s)},
-                     {"arms_s", static_cast<double>(neutral.known.arms_s)},
-                     {"rotations", std::move(rotations)}};
+  toml::table row{{"binding", Hex(neutral.binding)},
+                  {"calibrated", neutral.known.calibrated},
+                  {"body_s", static_cast<double>(neutral.known.body_s)},
+                  {"arms_s", static_cast<double>(neutral.known.arms_s)},
+                  {"rotations", std::move(rotations)}};
+  const neutral::Known& known = neutral.known;
+  constexpr float kWorthKeeping_s = 0.5F;
+  if (known.walking_s > kWorthKeeping_s)
+    row.insert("walk", GaitRow(known.walking, known.walking_s));
+  if (known.running_s > kWorthKeeping_s) row.insert("run", GaitRow(known.running, known.running_s));
+  return row;
 }
 
 toml::table Row(const Profile& profile) {
@@ -107,6 +138,8 @@ std::optional<KeptNeutral> ReadNeutral(const toml::table& row) {
   auto& own = neutral.known.own.rotations;
   if (!rotations || rotations->size() != own.size()) return std::nullopt;
   std::copy(rotations->begin(), rotations->end(), own.begin());
+  ReadGait(row, "walk", neutral.known.walking, neutral.known.walking_s);
+  ReadGait(row, "run", neutral.known.running, neutral.known.running_s);
   return neutral;
 }
 

@@ -130,8 +130,34 @@ Result<Commands::Targets> Commands::Find(const std::string& performer) {
   return targets;
 }
 
+namespace {
+
+void ListSliders(const net::StyleSpace& space, v1::ListReply& list) {
+  for (const net::Slider& slider : space.sliders()) {
+    v1::SliderInfo& info = *list.add_sliders();
+    info.set_name(slider.name);
+    info.set_title(slider.title);
+    info.set_group(slider.group);
+    info.set_unit(slider.unit);
+    info.set_least(slider.least);
+    info.set_most(slider.most);
+    info.set_usual(slider.usual);
+    info.set_what(slider.what);
+  }
+  for (const net::Preset& preset : space.presets()) {
+    v1::DesignInfo& info = *list.add_designs();
+    info.set_name(preset.name);
+    for (const net::SliderValue& slider : preset.values) {
+      (*info.mutable_sliders())[slider.name] = slider.value;
+    }
+  }
+}
+
+}  // namespace
+
 void Commands::List(v1::Reply& reply) const {
   auto& list = *reply.mutable_list();
+  const net::StyleSpace* const space = roster_.config().network->space();
   const auto& styles = roster_.config().network->model().styles;
   for (std::size_t i = 0; i < styles.size(); ++i) {
     if (styles[i].retired) continue;
@@ -144,6 +170,9 @@ void Commands::List(v1::Reply& reply) const {
     info.set_weak(net::IsWeak(styles[i]));
     info.set_model(styles[i].model);
     info.set_varies(styles[i].varies);
+    info.set_licence(styles[i].licence);
+    info.set_credit(styles[i].credit);
+    info.set_designable(styles[i].designable);
     const bool own = static_cast<int>(i) < roster_.config().own_styles;
     const auto found = roster_.config().made.find(styles[i].name);
     if (own || found == roster_.config().made.end()) continue;
@@ -151,7 +180,11 @@ void Commands::List(v1::Reply& reply) const {
     info.set_source(found->second->source);
     info.set_nearest(found->second->nearest);
     info.set_distance(found->second->distance);
+    for (const net::SliderValue& slider : found->second->sliders) {
+      (*info.mutable_sliders())[slider.name] = slider.value;
+    }
   }
+  if (space != nullptr) ListSliders(*space, list);
   for (const Cue& cue : roster_.config().cues) {
     auto& info = *list.add_cues();
     info.set_name(cue.name);

@@ -185,6 +185,8 @@ void StateSender::OnRequest(std::int64_t now_ns, const v1::Request& request,
   if ((request.has_like() || request.has_import_style()) && made != config.made.end()) {
     entry.mutable_import_style()->set_file(FormatStyleFile(*made->second, config));
     entry.mutable_import_style()->set_replace(true);
+    entry.mutable_import_style()->set_in_place(request.like().in_place() ||
+                                               request.import_style().in_place());
   }
   standby_.Send(now_ns, performance_.clock.Wall_ns());
   const auto shows = pipeline::SetThatShows(request);

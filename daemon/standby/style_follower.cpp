@@ -91,18 +91,20 @@ bool StyleFollower::ImportsMissing(const std::string& file) {
   return true;
 }
 
-void StyleFollower::Import(const std::string& file) {
+void StyleFollower::Import(const std::string& file, bool in_place) {
   // A second import would give it a second place among the styles.
   if (std::ranges::count(imports_, file) != 0) return;
   imports_.push_back(file);
   v1::Request request;
   request.mutable_import_style()->set_file(file);
   request.mutable_import_style()->set_replace(true);
+  request.mutable_import_style()->set_in_place(in_place);
   Enqueue(std::move(request));
 }
 
 void StyleFollower::Follow(const v1::Request& request) {
-  request.has_import_style() ? Import(request.import_style().file()) : Enqueue(request);
+  if (!request.has_import_style()) return Enqueue(request);
+  Import(request.import_style().file(), request.import_style().in_place());
 }
 
 void StyleFollower::Enqueue(v1::Request request) {

@@ -45,7 +45,7 @@ class StyleFollower {
 
  private:
   bool ImportsMissing(const std::string& file);
-  void Import(const std::string& file);
+  void Import(const std::string& file, bool in_place = false);
   void Enqueue(v1::Request request);
   bool Push(std::unique_ptr<pipeline::Exchange>& exchange);
   void OnFading(const v1::StylePart& part);

@@ -1,5 +1,6 @@
 #include "daemon/styles/like.h"
 
+#include <algorithm>
 #include <deque>
 #include <string>
 #include <string_view>
@@ -95,9 +96,10 @@ Status CheckExample(const v1::Like& like, const net::Stylizer& network) {
   }
   const int examples = static_cast<int>(!like.clip().empty()) +
                        static_cast<int>(like.code_size() > 0) +
-                       static_cast<int>(like.learn_s() != 0) + static_cast<int>(like.has_vary());
+                       static_cast<int>(like.learn_s() != 0) + static_cast<int>(like.has_vary()) +
+                       static_cast<int>(like.has_design());
   if (examples != 1) {
-    return Malformed("expected one of clip, code, learn_s and vary, found " +
+    return Malformed("expected one of clip, code, learn_s, vary and design, found " +
                      std::to_string(examples) + " of them");
   }
   const float learn_s = like.learn_s();
@@ -106,8 +108,9 @@ Status CheckExample(const v1::Like& like, const net::Stylizer& network) {
                      NumberText(kShortestTake_s) + " to " + NumberText(kLongestExample_s) + " s");
   }
   if (like.neutral_code_size() == 0) return {};
-  if (like.has_vary()) {
-    return Malformed("neutral_code: found it with vary, expected it with clip, code or learn_s");
+  if (like.has_vary() || like.has_design()) {
+    return Malformed(
+        "neutral_code: found it with vary or a design, expected it with clip, code or learn_s");
   }
   return CheckCode(*network.space(), CodeOf(like.neutral_code()), "neutral_code");
 }
@@ -140,6 +143,82 @@ Status FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
   return Status::Ok();
 }
 
+Status UnknownNetwork(const std::string& name, const RuntimeConfig& running) {
+  std::string names;
+  for (const net::StyleInfo& style : running.network->model().styles) {
+    if (!style.model.empty() && names.find(" " + style.model) == std::string::npos) {
+      names += " " + style.model;
+    }
+  }
+  return Malformed("network: \"" + Printable(name, kMaxSource) +
+                   "\" takes no examples; the networks are" + (names.empty() ? " one" : names));
+}
+
+// Makes `style` the mean of the made style of its name and of itself, by their examples' lengths.
+Status AddTo(const RuntimeConfig& running, MadeStyle& style) {
+  std::shared_ptr<const MadeStyle> former;
+  if (Status status = FindMade(running, style.name, former); !status.ok()) return status;
+  const float seconds = former->seconds + style.seconds;
+  style.code = running.network->space()->Mean(former->code, style.code,
+                                              seconds > 0 ? style.seconds / seconds : 0.5F);
+  if (style.code.empty()) {
+    return Malformed("\"" + style.name +
+                     "\": is of another kind than the example: one is the difference to a neutral "
+                     "clip, or they belong to different networks");
+  }
+  style.name = former->name;
+  style.seconds = seconds;
+  if (!former->source.empty() && former->source != style.source) {
+    style.source = Printable(former->source + ", " + style.source, kMaxSource);
+  }
+  return Status::Ok();
+}
+
+// The code of the style that a design begins with; empty: a performer who is neutral.
+Status FindDesigned(const v1::Like& like, const RuntimeConfig& running, net::StyleCode& code) {
+  const net::Styles& styles = running.network->model().styles;
+  const std::string& from = like.design().from();
+  const int style = net::FindStyle(styles, from.empty() ? like.name() : from);
+  if (style < 0 && from.empty()) return Status::Ok();
+  if (style < 0) {
+    return Refused(v1::CODE_UNKNOWN_STYLE, "from: no style \"" + Printable(from, 80) + "\"");
+  }
+  if (style == 0) return Status::Ok();
+  if (style >= running.own_styles) {
+    code = running.made.at(styles[static_cast<std::size_t>(style)].name)->code;
+  } else {
+    code = running.network->space()->MakeCode({.sources = {{.style = style}}});
+  }
+  return Status::Ok();
+}
+
+Status MakeDesign(const v1::Like& like, const RuntimeConfig& running, MadeStyle& style) {
+  const net::StyleSpace& space = *running.network->space();
+  const v1::Design& design = like.design();
+  if (Status status = FindDesigned(like, running, style.code); !status.ok()) return status;
+  net::SliderValues values;
+  if (!design.preset().empty()) {
+    const auto preset = std::ranges::find_if(
+        space.presets(), [&design](const net::Preset& one) { return design.preset() == one.name; });
+    if (preset == space.presets().end() && design.preset() != "neutral") {
+      std::string names = "neutral";
+      for (const net::Preset& one : space.presets()) names += " " + std::string(one.name);
+      return Malformed("design \"" + Printable(design.preset(), 80) + "\": expected one of " +
+                       names);
+    }
+    for (const net::Slider& slider : space.sliders()) values.push_back({slider.name, slider.usual});
+    if (preset != space.presets().end()) {
+      values.insert(values.end(), preset->values.begin(), preset->values.end());
+    }
+  }
+  for (const auto& [name, value] : design.sliders()) values.push_back({name, value});
+  auto designed = space.Design(style.code, values);
+  if (!designed.ok()) return Refused(v1::CODE_OUT_OF_RANGE, designed.status().message());
+  style.code = std::move(designed.value());
+  style.source = design.from().empty() ? "by hand" : design.from() + ", by hand";
+  return Status::Ok();
+}
+
 // Finds the code and its source: writes the poses to `example`, the length to `style`.
 Status MakeCode(const v1::Like& like, const RuntimeConfig& running,
                 std::span<const body::Pose> take, const WorkLimit& work, MadeStyle& style,
@@ -151,21 +230,34 @@ Status MakeCode(const v1::Like& like, const RuntimeConfig& running,
   example.assign(take.begin(), take.end());
   if (like.code_size() > 0) {
     style.code = CodeOf(like.code());
+  } else if (like.has_design()) {
+    return MakeDesign(like, running, style);
   } else if (like.has_vary()) {
     refusal = FindVariation(like.vary(), running, request);
     style.source = like.vary().style() + ", variation " + std::to_string(like.vary().seed());
   } else {
     if (take.empty()) refusal = ReadClip(like, model, space, work, example, style.seconds);
     request.sources = {{.style = -1, .seed = {}, .reference = example}};
+    request.network = like.network();
   }
   if (!refusal.ok()) return refusal;
   if (!take.empty()) style.seconds = like.learn_s();
   const char* const what = like.code_size() > 0 ? "code" : "the example's code";
   if (like.code_size() == 0) style.code = space.MakeCode(request);
+  if (!like.network().empty() && style.code.empty()) return UnknownNetwork(like.network(), running);
   refusal = CheckCode(space, style.code, what);
-  if (!refusal.ok() || like.neutral_code_size() == 0) return refusal;
-  style.code = space.Difference(style.code, CodeOf(like.neutral_code()));
-  return CheckCode(space, style.code, "the difference to neutral_code");
+  if (!refusal.ok()) return refusal;
+  if (like.neutral_code_size() > 0) {
+    style.code = space.Difference(style.code, CodeOf(like.neutral_code()));
+    if (style.code.empty()) {
+      return Malformed(
+          "the example and its neutral show nothing in common; expected a walk or a "
+          "run in both, or in neither");
+    }
+    refusal = CheckCode(space, style.code, "the difference to neutral_code");
+    if (!refusal.ok()) return refusal;
+  }
+  return like.add() ? AddTo(running, style) : refusal;
 }
 
 // Computes the code and the distance that the style would have.
@@ -179,19 +271,22 @@ void Measure(const RuntimeConfig& running, MadeStyle& style) {
 
 }  // namespace
 
-void Describe(const MadeStyle& style, v1::LikeReply& reply) {
+void Describe(const net::StyleSpace& space, const MadeStyle& style, v1::LikeReply& reply) {
   reply.set_name(style.name);
   reply.set_nearest(style.nearest);
   reply.set_distance(style.distance);
   reply.set_seconds(style.seconds);
   *reply.mutable_code() = {style.code.begin(), style.code.end()};
+  const net::Findings findings = space.Describe(style.code);
+  *reply.mutable_found() = {findings.found.begin(), findings.found.end()};
+  *reply.mutable_weak() = {findings.weak.begin(), findings.weak.end()};
 }
 
 Status CheckLike(const RuntimeConfig& running, const v1::Like& like) {
   if (!like.measure()) {
-    if (const Status status = CheckNewName(like.name()); !status.ok()) return status;
+    if (Status status = CheckNewName(like.name()); !status.ok()) return status;
     Place place;
-    if (const Status status = FindPlace(running, like.name(), place); !status.ok()) return status;
+    if (Status status = FindPlace(running, like.name(), place); !status.ok()) return status;
   }
   return CheckExample(like, *running.network);
 }
@@ -204,25 +299,37 @@ Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1
   MadeStyle style;
   style.name = like.name();
   style.source = Printable(like.file(), kMaxSource);
-  style.licence = running.network->model().licence;
   std::vector<body::Pose> poses;
   if (Status status = CheckLike(running, like); !status.ok()) return status;
   if (Status status = MakeCode(like, running, take, work, style, poses); !status.ok()) {
     return status;
   }
+  // A style of the weights' own numbers owes what they owe; one that is measured, only the clip's
+  // licence.
+  if (running.network->space()->Portable(style.code) != style.code) {
+    style.licence = running.network->model().licence;
+  }
   std::shared_ptr<RuntimeConfig> made;
   if (like.measure()) {
     Measure(running, style);
-    Describe(style, reply);
+    Describe(*running.network->space(), style, reply);
   } else {
     made = std::make_shared<RuntimeConfig>(running);
-    if (Status status = PutStyle(std::move(style), *made); !status.ok()) return status;
-    Describe(*made->made.at(like.name()), reply);
+    const std::string name = style.name;
+    // Sliders move: no fade from each of their places.
+    const bool moves = like.has_design() || like.in_place();
+    if (Status status = PutStyle(std::move(style), *made, moves); !status.ok()) return status;
+    Describe(*made->network->space(), *made->made.at(name), reply);
   }
   like.clear_clip();
   like.clear_learn_s();
   like.clear_vary();
   like.clear_neutral_code();
+  like.clear_network();
+  // A standby and a replay do the same.
+  if (like.has_design()) like.set_in_place(true);
+  like.clear_design();
+  like.clear_add();
   *like.mutable_code() = reply.code();
   if (example != nullptr) *example = std::move(poses);
   return made;

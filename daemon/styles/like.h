@@ -19,8 +19,8 @@ inline constexpr float kShortestTake_s = 1;
 // weights that accept examples. Any thread.
 Status CheckLike(const RuntimeConfig& running, const v1::Like& like);
 
-// Writes the description of a style for a reply.
-void Describe(const MadeStyle& style, v1::LikeReply& reply);
+// Writes the description of a style of `space` for a reply.
+void Describe(const net::StyleSpace& space, const MadeStyle& style, v1::LikeReply& reply);
 
 // Does the part of a Like that does not belong to the pipeline: reads the clip, finds the style's
 // code, and makes a configuration whose network has the style; null for Like.measure. Fills

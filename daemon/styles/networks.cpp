@@ -1,5 +1,6 @@
 #include "daemon/styles/networks.h"
 
+#include <array>
 #include <span>
 #include <utility>
 
@@ -16,7 +17,14 @@ namespace styled::pipeline {
 namespace {
 
 constexpr const char* kNone = "none";
-constexpr const char* kShippedExamples = "graph";
+// The networks beside the main one: the key of each, and the shipped file for the shipped weights.
+struct Beside {
+  const char* key;
+  const char* shipped;
+  std::string config::Model::*file;
+};
+constexpr std::array kBeside{Beside{"examples", "graph", &config::Model::examples},
+                             Beside{"gaits", "open", &config::Model::gaits}};
 
 bool Rounds(const config::Model& model) { return model.precision != config::Model().precision; }
 
@@ -32,14 +40,18 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
   const auto main = net::FindWeights(model.weights);
   if (!main.ok()) return main.status();
   files.push_back(main.value());
-  if (model.examples == kNone) return files;
-  // Other weights are copied only by name, because their licence may differ.
-  if (model.examples.empty() && !net::IsShippedDefault(main.value())) return files;
-  const auto examples =
-      net::FindWeights(model.examples.empty() ? kShippedExamples : model.examples);
-  if (!examples.ok() && model.examples.empty()) return files;  // not installed
-  if (!examples.ok()) return Status::Error("model.examples: " + examples.status().message());
-  files.push_back(examples.value());
+  for (const Beside& beside : kBeside) {
+    const std::string& wanted = model.*beside.file;
+    if (wanted == kNone) continue;
+    // Beside other weights only what is named, because licences may differ.
+    if (wanted.empty() && !net::IsShippedDefault(main.value())) continue;
+    const auto found = net::FindWeights(wanted.empty() ? beside.shipped : wanted);
+    if (!found.ok() && wanted.empty()) continue;  // not installed
+    if (!found.ok()) {
+      return Status::Error("model." + std::string(beside.key) + ": " + found.status().message());
+    }
+    files.push_back(found.value());
+  }
   return files;
 }
 
@@ -90,7 +102,7 @@ Result<Networks> ReadNetworks(const config::Model& model,
                      Rounds(model) ? net::Precision::kBfloat16 : net::Precision::kFloat32);
     if (!network.ok()) return network.status();
     if (i > 0 && network.value()->space() == nullptr) {
-      return Status::Error("model.examples: " + files.value()[i].string() + ": family \"" +
+      return Status::Error(files.value()[i].string() + ": family \"" +
                            network.value()->model().family +
                            "\" takes no examples; expected weights that have a style encoder");
     }
@@ -101,11 +113,16 @@ Result<Networks> ReadNetworks(const config::Model& model,
                          "\" rounds weights of the family " + net::RoundedFamilyNames() +
                          " alone, and " + networks.names + " has none of it");
   }
-  // As in several.h: the first network that has a style encoder.
-  const bool first = named.front().network->space() != nullptr;
-  networks.examples_hash = HashText(first ? tensors.front() : tensors.back());
+  // As in several_space.h: the first network whose codes depend on its weights, if there is one.
+  networks.examples_hash = HashText(tensors.front());
+  for (std::size_t i = named.size(); i > 0; --i) {
+    const net::StyleSpace* const space = named[i - 1].network->space();
+    if (space == nullptr) continue;
+    const bool portable = !space->Portable(space->MakeCode({.sources = {{.style = 0}}})).empty();
+    if (!portable) networks.examples_hash = HashText(tensors[i - 1]);
+  }
   auto network = net::Combine(std::move(named));
-  if (!network.ok()) return Status::Error("model.examples: " + network.status().message());
+  if (!network.ok()) return network.status();
   networks.network = std::move(network.value());
   networks.own_styles = static_cast<int>(networks.network->model().styles.size());
   return networks;

@@ -126,6 +126,13 @@ Result<MadeStyle> ParseStyleFile(const std::string& text, const std::string& fil
   if (!json::sax_parse(text, &fields) || fields.format != kFormat) {
     return error("expected a JSON object with \"format\": \"" + std::string(kFormat) + "\"");
   }
+  const bool has_code = fields.has_code && !fields.name.empty();
+  if (fields.weights != config.weights_hash && has_code && config.network != nullptr &&
+      config.network->space() != nullptr) {
+    // Of a style that was made with other weights, the part that does not depend on them.
+    fields.code = config.network->space()->Portable(fields.code);
+    if (!fields.code.empty()) fields.weights = config.weights_hash;
+  }
   if (fields.weights != config.weights_hash) {
     return error("was made with other weights, " +
                  (fields.weights.empty() ? "unnamed" : fields.weights) + "; expected " +

@@ -31,9 +31,9 @@ bool Names(const v1::Look& look, const net::Styles& styles, int number) {
 
 // Reserved words, which have another meaning where a style can be named: all styles or performers,
 // the state without a style, commands of stylectl and of OSC.
-constexpr std::array<std::string_view, 15> kReserved{"all",   "bypass", "clear", "cue",   "each",
-                                                     "error", "learn",  "like",  "none",  "panic",
-                                                     "pin",   "preset", "reset", "unpin", "vary"};
+constexpr std::array<std::string_view, 16> kReserved{
+    "all",  "bypass", "clear", "cue", "design", "each",  "error", "learn",
+    "like", "none",   "panic", "pin", "preset", "reset", "unpin", "vary"};
 
 bool IsReserved(std::string_view name) {
   return std::ranges::any_of(kReserved, [name](std::string_view word) {
@@ -162,7 +162,7 @@ void RetireStyle(int number, RuntimeConfig& config) {
   config.network = config.network->Retired(number);
 }
 
-Status PutStyle(MadeStyle style, RuntimeConfig& config) {
+Status PutStyle(MadeStyle style, RuntimeConfig& config, bool in_place) {
   const net::StyleSpace* const space = config.network->space();
   if (space == nullptr) {
     return Refused(v1::CODE_NO_EXAMPLES,
@@ -176,12 +176,15 @@ Status PutStyle(MadeStyle style, RuntimeConfig& config) {
   const net::NearestStyle nearest = space->Nearest(style.code);
   style.nearest = config.network->model().styles[static_cast<std::size_t>(nearest.style)].name;
   style.distance = nearest.distance;
-  if (place.replaced >= 0) {
-    RetireStyle(place.replaced, config);
+  style.sliders = space->SlidersOf(style.code);
+  if (in_place && place.replaced >= 0) {
+    place.number = place.replaced;
+  } else {
+    if (place.replaced >= 0) RetireStyle(place.replaced, config);
+    config.retired.erase(place.number);
+    config.last_place = place.number;
   }
-  config.retired.erase(place.number);
   config.network = config.network->With(place.number, {.name = style.name}, style.code);
-  config.last_place = place.number;
   const std::string name = style.name;
   config.made[name] = std::make_shared<const MadeStyle>(std::move(style));
   return Status::Ok();

@@ -32,9 +32,10 @@ Status FindMade(const RuntimeConfig& config, const std::string& name,
                 std::shared_ptr<const MadeStyle>& style);
 
 // Adds the style to the configuration, or replaces the made style of the same name; performers in
-// that style fade over. Fills nearest and distance. Refuses as FindPlace does, and refuses weights
-// without a style encoder and a code that does not fit them; the configuration is then unchanged.
-Status PutStyle(MadeStyle style, RuntimeConfig& config);
+// that style fade over, or with `in_place` change at once. Fills nearest and distance. Refuses as
+// FindPlace does, and refuses weights without a style encoder and a code that does not fit them;
+// the configuration is then unchanged.
+Status PutStyle(MadeStyle style, RuntimeConfig& config, bool in_place = false);
 
 // The places of the configuration's styles, and those in `fading` that are known.
 Places PlacesOf(const RuntimeConfig& config);

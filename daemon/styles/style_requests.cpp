@@ -1,6 +1,8 @@
 #include "daemon/styles/style_requests.h"
 
+#include <array>
 #include <chrono>
+#include <cstdio>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "daemon/styles/like.h"
 #include "daemon/styles/style_file.h"
 #include "daemon/styles/style_list.h"
+#include "model/base/hash.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {
@@ -68,7 +71,7 @@ std::shared_ptr<const RuntimeConfig> StyleRequests::Do(const RuntimeConfig& runn
 }
 
 StyleRequests::Outcome StyleRequests::Execute(const RuntimeConfig& running, Exchange& exchange) {
-  const auto named = [](const char* command, Outcome outcome) {
+  const auto named = [](const char* command, const Outcome& outcome) {
     return outcome.ok() ? outcome : Outcome(Of(command, outcome.status()));
   };
   const auto only = [](const Status& status) {
@@ -79,7 +82,7 @@ StyleRequests::Outcome StyleRequests::Execute(const RuntimeConfig& running, Exch
   v1::Reply& reply = exchange.reply;
   switch (request.command_case()) {
     case v1::Request::kLike:
-      return named("like", Make(running, exchange));
+      return named(request.like().has_design() ? "design" : "like", Make(running, exchange));
     case v1::Request::kImportStyle:
       return named("import", Import(running, exchange));
     case v1::Request::kRenameStyle:
@@ -101,9 +104,31 @@ StyleRequests::Outcome StyleRequests::Arrange(const RuntimeConfig& running, Exch
   return Outcome(std::move(made));
 }
 
+namespace {
+
+// The name of a performer's style by hand: "by-hand-rig-anna". Long ones end in a hash, so that two
+// performers never share one.
+std::string NameByHand(const std::string& performer) {
+  std::string name = "by-hand";
+  if (performer != "*" && !performer.empty()) name += "-" + performer;
+  for (char& c : name) {
+    if (!config::IsName(std::string(1, c)) && c != '-') c = '-';
+  }
+  if (name.size() <= net::kMaxStyleName) return name;
+  std::array<char, 16> hash{};
+  std::snprintf(hash.data(), hash.size(), "-%08x", static_cast<unsigned>(HashOf(performer)));
+  return name.substr(0, net::kMaxStyleName - 9) + hash.data();
+}
+
+}  // namespace
+
 StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchange& exchange) {
   v1::Like& like = *exchange.request.mutable_like();
   if (like.learn_s() != 0 && like.file().empty()) like.set_file(exchange.request.performer());
+  if (like.has_design() && like.name().empty()) {
+    like.set_name(NameByHand(exchange.request.performer()));
+  }
+  const bool by_hand = like.has_design();
   const std::size_t most_bytes = MostKept(like);
   std::vector<body::Pose> example;
   const auto limit =
@@ -116,8 +141,11 @@ StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchang
   }
   const std::shared_ptr<RuntimeConfig>& made = added.value();
   if (made == nullptr) return Outcome(nullptr);
-  log_line_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
-              ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
+  // A slider that moves would be a line for each of its places.
+  if (!by_hand) {
+    log_line_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
+                ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
+  }
   if (made->style.library.empty()) return Outcome(made);
   const std::string text =
       ExampleText(example, static_cast<double>(made->network->model().rate_hz), most_bytes);
@@ -146,9 +174,11 @@ StyleRequests::Outcome StyleRequests::Import(const RuntimeConfig& running, Excha
                      "\": a style that was made has it; expected another name, or replace");
   }
   auto made = std::make_shared<RuntimeConfig>(running);
-  if (Status status = PutStyle(std::move(style), *made); !status.ok()) return status;
+  if (Status status = PutStyle(std::move(style), *made, wanted.in_place()); !status.ok()) {
+    return status;
+  }
   if (const Status kept = KeepStyle(name, "", *made); !kept.ok()) return NotKept(kept);
-  Describe(*made->made.at(name), *exchange.reply.mutable_like());
+  Describe(*made->network->space(), *made->made.at(name), *exchange.reply.mutable_like());
   log_line_ = "style " + name + " imported";
   return Outcome(std::move(made));
 }

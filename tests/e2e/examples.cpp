@@ -18,9 +18,13 @@ std::string CausalWeights(const std::string& file) {
 }
 
 std::string WalkBvh(double rate_hz, double seconds) {
+  return MotionBvh(synthetic::Motion::kWalk, rate_hz, seconds);
+}
+
+std::string MotionBvh(synthetic::Motion motion_of, double rate_hz, double seconds) {
   const TemporaryFolder folder;
   synthetic::Options options;
-  options.script = {{synthetic::Motion::kWalk, 60}};
+  options.script = {{motion_of, 60}};
   player::PerformerMotion motion(std::move(options), {}, rate_hz);
   const std::string file = folder / "walk.bvh";
   EXPECT_TRUE(player::WriteMotion(motion, seconds, rate_hz, file).ok());

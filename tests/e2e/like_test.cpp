@@ -117,7 +117,7 @@ TEST_F(LikeTest, AnInvalidExampleIsRefusedWithTheReason) {
   refuses(Like("rig.a", "mine", "no motion"), v1::CODE_MALFORMED,
           "like: walk.bvh:1: found \"no\", expected HIERARCHY");
   refuses(Like("rig.a", "mine", ""), v1::CODE_MALFORMED,
-          "like: expected one of clip, code, learn_s and vary, found 0 of them");
+          "like: expected one of clip, code, learn_s, vary and design, found 0 of them");
   refuses(Like("rig.a", "", walk), v1::CODE_MALFORMED,
           "like: name \"\": expected 1 to 32 of A-Z a-z 0-9 _ -");
   refuses(Like("rig.a", "--clip", walk), v1::CODE_MALFORMED,

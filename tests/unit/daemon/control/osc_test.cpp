@@ -41,6 +41,20 @@ class OscTest : public testing::Test {
   std::vector<std::byte> bytes_;
 };
 
+TEST_F(OscTest, ASliderOfAStyleByHandHasAnAddress) {
+  const auto stoop = Read("/styled/rig.anna/design/stoop", "f", 28.0).value();
+  EXPECT_EQ(stoop.performer(), "rig.anna");
+  ASSERT_TRUE(stoop.like().has_design());
+  EXPECT_EQ(stoop.like().design().sliders().at("stoop"), 28);
+  EXPECT_EQ(stoop.like().name(), "") << "the daemon names it";
+  EXPECT_EQ(Read("/styled/all/design/energy", "i", 1).value().performer(), "*");
+  EXPECT_EQ(Read("/styled/rig.anna/design", "s", "sneaky").value().like().design().preset(),
+            "sneaky");
+  EXPECT_THAT(Read("/styled/rig.anna/design/stoop", "s", "much").status().message(),
+              HasSubstr("expected a number"));
+  EXPECT_FALSE(Read("/styled/design/stoop", "f", 1.0).ok());
+}
+
 TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
   const auto style = Read("/styled/rig.anna/style", "sfi", "elderly", 0.8, 500).value();
   EXPECT_EQ(style.performer(), "rig.anna");
