@@ -15,6 +15,7 @@ int Run(std::vector<std::string> arguments, std::ostream& out, std::ostream& err
   DeclareShowCommands(session);
   DeclareStyleCommands(session);
   DeclareMakingCommands(session);
+  DeclareDesign(session);
   DeclareStyles(session);
   DeclareCheckpoints(session);
   DeclareLead(session);

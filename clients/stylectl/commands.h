@@ -9,6 +9,7 @@ namespace styled::stylectl {
 void DeclareShowCommands(Session& session);    // list, status
 void DeclareStyleCommands(Session& session);   // set, clear, preset, cue, pin, unpin, panic, reset
 void DeclareMakingCommands(Session& session);  // like, learn, vary
+void DeclareDesign(Session& session);
 void DeclareStyles(Session& session);
 void DeclareCheckpoints(Session& session);  // checkpoint
 void DeclareLead(Session& session);

@@ -3,12 +3,12 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
 #include "clients/stylectl/cli.h"
 #include "clients/stylectl/commands.h"
+#include "clients/stylectl/like_report.h"
 #include "model/base/read_file.h"
 #include "model/base/text.h"
 #include "model/tools/number.h"
@@ -18,14 +18,13 @@ namespace {
 
 constexpr std::size_t kMaxClipBytes = 8 * 1024 * 1024 - 4096;  // a request with it is at most 8 MiB
 constexpr std::size_t kMaxNameBytes = 32;
-constexpr float kFar = 1;  // as far as styles are from each other
 
 struct Arguments {
   std::string name;
   std::optional<double> transition_ms;
   // like
-  std::string clip, rig = "auto", neutral_clip;
-  bool unworn = false;
+  std::string clip, rig = "auto", neutral_clip, network;
+  bool unworn = false, add = false;
   // learn
   double seconds = 8;
   std::optional<double> neutral_s;
@@ -48,51 +47,12 @@ std::string NameOf(const std::string& file) {
   return name.substr(0, kMaxNameBytes);
 }
 
-void ReportJson(Session& session, const v1::LikeReply& like, const client::Applied& applied,
-                const std::string& note) {
-  nlohmann::json object{{"ok", true},
-                        {"style", like.name()},
-                        {"nearest", like.nearest()},
-                        {"distance", like.distance()},
-                        {"seconds", like.seconds()},
-                        {"applied", nlohmann::json::array()}};
-  for (const v1::Applied& one : applied) {
-    object["applied"].push_back(
-        {{"performer", one.performer()}, {"first_sequence", one.first_sequence()}});
-  }
-  if (!note.empty()) object["note"] = note;
-  session.out << object.dump() << "\n";
-}
-
-void ReportText(Session& session, const v1::LikeReply& like, const client::Applied& applied) {
-  session.out << "style " << like.name();
-  if (like.seconds() > 0) session.out << ", of " << NumberText(like.seconds(), 2) << " s";
-  session.out << ": nearest to " << like.nearest() << ", at " << NumberText(like.distance(), 2)
-              << " of the mean distance between styles";
-  if (like.distance() > kFar) {
-    session.out << ": unlike all styles that the weights know, so a weak mixture of them";
-  }
-  session.out << "\n";
-  for (const v1::Applied& one : applied) {
-    session.out << one.performer() << ": " << like.name() << " from frame " << one.first_sequence()
-                << "\n";
-  }
-}
-
 // Sends the request, whose example is there, and reports.
 int Make(Session& session, const Arguments& arguments, v1::Like request) {
   if (arguments.transition_ms) {
     request.set_transition_ms(static_cast<float>(*arguments.transition_ms));
   }
-  v1::LikeReply reply;
-  client::Applied applied;
-  const client::CallStatus status =
-      session.control().Like(arguments.unworn ? "" : session.performer, request, &reply, &applied);
-  if (!status.ok()) return session.Fail(status);
-  const std::string note = arguments.unworn ? "" : session.NoteUnseen();
-  session.json ? ReportJson(session, reply, applied, note) : ReportText(session, reply, applied);
-  if (!session.json && !note.empty()) session.err << "note: " << note << "\n";
-  return kExitOk;
+  return MakeStyle(session, arguments.unworn ? "" : session.performer, request);
 }
 
 // Requests the code of a neutral example, and writes it into the request.
@@ -122,6 +82,9 @@ int Like(Session& session, const Arguments& arguments) {
   v1::Like request, neutral;
   request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
   request.set_rig(arguments.rig);
+  request.set_network(arguments.network);
+  request.set_add(arguments.add);
+  neutral.set_network(arguments.network);
   neutral.set_rig(arguments.rig);
   int code = ReadExample(session, arguments.clip, "--clip ", request);
   if (code == kExitOk && !arguments.neutral_clip.empty()) {
@@ -192,6 +155,13 @@ void DeclareLike(Session& session) {
       "a clip of the same performer moving as usual; only the difference from it is used");
   like->add_option("--rig", arguments->rig, "the example's rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
+  like->add_option("--network", arguments->network,
+                   "the network that gets the style, e.g. open or graph, or its family "
+                   "(default: by what the example shows)");
+  like->add_flag(
+      "--add", arguments->add,
+      "add the example to the made style of this name, instead of replacing it: a run to "
+      "a walk, or a second walk");
   like->add_flag("--unworn", arguments->unworn,
                  "only make the style, without setting a performer to it");
 }
