@@ -51,3 +51,23 @@ export function checkChange(change: SetInit): void {
     if (typeof one.weight !== 'number') throw new TypeError(`found ${shown(one.weight)} as weight of ${one.style}, expected a number`);
   }
 }
+
+const DESIGN = ['name', 'from', 'preset', 'sliders', 'transitionMs'];
+
+export function checkDesign(design: object): void {
+  if (typeof design !== 'object' || design === null) {
+    throw new TypeError(`found ${shown(design)} as design, expected { sliders: { stoop: 28 } } or the like`);
+  }
+  for (const [name, value] of Object.entries(design)) {
+    if (!DESIGN.includes(name)) throw new TypeError(`found "${name}" in the design, expected ${DESIGN.join(', ')}`);
+    if (value === undefined) continue;
+    const kind = name === 'sliders' ? 'object' : name === 'transitionMs' ? 'number' : 'string';
+    if (typeof value !== kind || value === null) {
+      const expected = kind === 'object' ? '{ stoop: 28 } or the like' : `a ${kind}`;
+      throw new TypeError(`found ${shown(value)} as ${name} of the design, expected ${expected}`);
+    }
+    for (const [slider, number] of name === 'sliders' ? Object.entries(value) : []) {
+      if (typeof number !== 'number') throw new TypeError(`found ${shown(number)} as slider ${slider}, expected a number`);
+    }
+  }
+}

@@ -6,7 +6,7 @@ import {
   type MessageInitShape,
 } from '@bufbuild/protobuf';
 
-import { checkChange, checkName, checkOptions, shown, type SetInit } from './checks.js';
+import { checkChange, checkDesign, checkName, checkOptions, shown, type SetInit } from './checks.js';
 import { NoAnswerError, RefusedError } from './errors.js';
 import { BodySchema, Output, type Body } from './gen/proto/styled/v1/body_pb.js';
 import {
@@ -123,7 +123,7 @@ export interface CalibrateOptions {
   seconds?: number;
 }
 
-/** An example of a style: one of clip, learnS, code and vary. */
+/** An example of a style: one of clip, learnS, code, vary and design. */
 export interface LikeOptions {
   /** Name of the style: 1 to 32 of A-Z a-z 0-9 _ -. An earlier example of this name is replaced.
   With `measure` it may be left out. */
@@ -140,10 +140,31 @@ export interface LikeOptions {
   code?: number[];
   /** A variation of one of the weights' styles. */
   vary?: { style: string; seed: bigint; amount?: number };
+  /** By hand, as in `design`. */
+  design?: Pick<DesignOptions, 'from' | 'preset' | 'sliders'>;
   /** The code of a neutral example of the same performer: only the difference from it is used. */
   neutralCode?: number[];
-  /** Makes no style: the reply has code, nearest and distance. */
+  /** Makes no style: the reply has code, nearest and distance, and what was found. */
   measure?: boolean;
+  /** The network that gets the style, by StyleInfo.model or its family; by default the example decides.
+  For clip and learnS. */
+  network?: string;
+  /** Adds the example to the made style of that name: the mean of what both show. */
+  add?: boolean;
+  transitionMs?: number;
+}
+
+/** A style by hand: what it begins with, and its sliders. */
+export interface DesignOptions {
+  /** Name of the style; by default by-hand- and the performer. A style of that name that was made by hand
+  changes at once, without a fade. */
+  name?: string;
+  /** The style to begin with; by default the made style of that name, or a performer who is neutral. */
+  from?: string;
+  /** Begins with this design of ListReply.designs, or with 'neutral': its sliders are set first. */
+  preset?: string;
+  /** By name, in the units of ListReply.sliders; the others keep their value. */
+  sliders?: Record<string, number>;
   transitionMs?: number;
 }
 
@@ -338,7 +359,13 @@ export class StyledClient {
     this.tellUnseen(performer, command, reply.applied);
     return reply.like!;
   }
-  /** The file of a style that was made from an example. */
+  /** Makes a style by hand, or moves its sliders, and sets the performer to it (as `like`). */
+  async design(performer: string, options: DesignOptions): Promise<LikeReply> {
+    checkDesign(options);
+    const { name = '', transitionMs, ...design } = options;
+    return this.like(performer, { name, design, ...(transitionMs === undefined ? {} : { transitionMs }) });
+  }
+  /** The file of a style that was made. */
   async exportStyle(name: string): Promise<StyleFile> {
     return (await this.ask({ command: { case: 'exportStyle', value: { name } } })).styleFile!;
   }

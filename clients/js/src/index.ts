@@ -1,5 +1,5 @@
 export { StyledClient } from './client.js';
-export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, LikeOptions, Update } from './client.js';
+export type { CalibrateOptions, ClientEvents, ClientOptions, DaemonState, DesignOptions, LikeOptions, Update } from './client.js';
 export type { SetInit } from './checks.js';
 export { NoAnswerError, RefusedError } from './errors.js';
 export { expressionsOf, presetOf } from './expressions.js';

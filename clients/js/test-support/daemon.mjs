@@ -45,6 +45,9 @@ export class Daemon {
   pinned = new Set();
   layers = new Map(); // performer -> LayerStats
   list = { styles: ['neutral', 'active', 'angry', 'elderly', 'youthful'].map((name) => ({ name, neutral: name === 'neutral' })), presets: [], cues: [] };
+  likes = []; // the requests of Like
+  hold = undefined; // a promise that replies to Like wait for
+  previews = []; // the styles whose preview was requested
   cues = new Map(); // name -> Look's fields, for all who are not pinned
   fields = () => ({}); // frame's number -> what else it has
 
@@ -107,12 +110,33 @@ export class Daemon {
     }
   }
 
+  // A style by hand, or of any example.
+  async #like(performer, like) {
+    this.likes.push({ performer, ...like });
+    await this.hold;
+    const name = like.name || `by-hand-${performer.replace('.', '-')}`;
+    const { styles } = this.list, former = styles.find((style) => style.name === name);
+    const { from = '', sliders = {} } = like.design ?? {};
+    const made = { name, made: true, source: from || 'by hand', sliders: { ...former?.sliders, ...sliders } };
+    this.list.styles = former ? styles.map((style) => (style === former ? made : style)) : [...styles, made];
+    if (this.pinned.has(performer)) return { code: Code.PINNED, reason: `like: ${performer} is pinned` };
+    if (performer) this.set(performer, { mix: [{ style: name, weight: 1 }] });
+    return { like: { name, found: this.found?.found, weak: this.found?.weak, nearest: 'elderly', distance: 2 } };
+  }
+
   #answer({ performer, command: { case: what, value } }) {
     const all = [...this.looks.keys()];
     const whom = performer === '*' ? all.filter((one) => !this.pinned.has(one)) : [performer];
     if (what === 'list') return { list: this.list };
     if (what === 'status') return { status: { version: 'fake', epoch: 1n, weights: 'none.safetensors', stats: this.#stats() } };
-    if (what === 'pin') for (const one of performer === '*' ? all : whom) this.pinned[value.pinned ? 'add' : 'delete'](one);
+    if (what === 'like') return this.#like(performer, value);
+    if (what === 'importStyle') return { like: { name: value.name } };
+    if (what === 'exportStyle') return { styleFile: { name: value.name, file: new TextEncoder().encode(JSON.stringify({ name: value.name })) } };
+    if (what === 'removeStyle') this.list.styles = this.list.styles.filter(({ name }) => name !== value.name);
+    else if (what === 'preview' && this.list.sliders) {
+      this.previews.push(value.style);
+      return { preview: { rateHz: 15, joints: 21, positionsMm: new Array(2 * 63).fill(0).map((_, i) => 80 * (i % 21)) } };
+    } else if (what === 'pin') for (const one of performer === '*' ? all : whom) this.pinned[value.pinned ? 'add' : 'delete'](one);
     else if (what === 'panic') for (const one of all) this.set(one, { clear: true });
     else if (what === 'set') {
       if (performer !== '*' && this.pinned.has(performer)) return { code: Code.PINNED, reason: `${performer} is pinned` };

@@ -13,7 +13,7 @@ export class Gateway {
   heard = []; // texts
   token = '';
   page = ''; // folder of files that it serves
-  answer = () => undefined; // Request -> Reply's fields, or a notice, or nothing
+  answer = () => undefined; // Request -> Reply's fields, or a notice, or nothing; or a promise of them
 
   static async start(port = 0) {
     const gateway = new Gateway();
@@ -53,12 +53,16 @@ export class Gateway {
     client.on('message', (data, binary) => {
       if (binary) {
         const request = fromBinary(RequestSchema, new Uint8Array(data));
+        const send = (answer) => {
+          if (answer?.notice) client.send(JSON.stringify(answer.notice));
+          else if (answer) {
+            const reply = create(ReplySchema, { id: request.id, ...answer });
+            client.send(packed('', toBinary(ReplySchema, reply)));
+          }
+        };
         const answer = this.answer(request);
-        if (answer?.notice) client.send(JSON.stringify(answer.notice));
-        else if (answer) {
-          const reply = create(ReplySchema, { id: request.id, ...answer });
-          client.send(packed('', toBinary(ReplySchema, reply)));
-        }
+        if (answer instanceof Promise) void answer.then(send);
+        else send(answer);
         return;
       }
       this.heard.push(String(data));

@@ -208,6 +208,38 @@ test('styles: examples, their files, previews; a take may last', () =>
       ['like', 'like', 'exportStyle', 'importStyle', 'renameStyle', 'removeStyle', 'preview']);
   }));
 
+test('a style by hand: what it begins with and its sliders; what was found of an example is in the reply', () =>
+  together(async (gateway, client) => {
+    const asked = [];
+    gateway.answer = (request) => {
+      asked.push(request);
+      return request.command.case === 'list'
+        ? { list: { sliders: [{ name: 'stoop', unit: 'degrees', least: -30, most: 60 }], designs: [{ name: 'sneaky', sliders: { stoop: 28 } }],
+                    styles: [{ name: 'by-hand-rig-a', made: true, sliders: { stoop: 7 }, designable: true }] } }
+        : { like: { name: 'by-hand-rig-a', found: ['walk: 7.2 strides'], weak: ['walk: only 2.1 s'] } };
+    };
+    await opened(client);
+    const { styles, sliders, designs } = await client.list();
+    assert.deepEqual([sliders[0].most, designs[0].sliders.stoop, styles[0].sliders.stoop, styles[0].designable], [60, 28, 7, true]);
+    const reply = await client.design('rig.a', { sliders: { stoop: 28, energy: 0.5 } });
+    assert.deepEqual([reply.found, reply.weak], [['walk: 7.2 strides'], ['walk: only 2.1 s']]);
+    await client.design('', { name: 'mine', from: 'pirate', preset: 'sneaky', transitionMs: 500 });
+    const [first, second] = asked.slice(1).map(({ performer, command: { case: what, value } }) => {
+      assert.equal(what, 'like');
+      return [performer, value.name, value.transitionMs, value.design.from, value.design.preset, value.design.sliders];
+    });
+    assert.deepEqual(first, ['rig.a', '', undefined, '', '', { stoop: 28, energy: 0.5 }]);
+    assert.deepEqual(second, ['', 'mine', 500, 'pirate', 'sneaky', {}]);
+    await client.like('rig.a', { name: 'mine', clip: new Uint8Array([103]), network: 'phase', add: true });
+    assert.deepEqual([asked.at(-1).command.value.network, asked.at(-1).command.value.add], ['phase', true]);
+    for (const [bad, text] of [[undefined, /found undefined as design, expected/], [{ slider: {} }, /found "slider" in the design, expected name, from/],
+      [{ from: 3 }, /found 3 as from of the design, expected a string/], [{ sliders: 3 }, /found 3 as sliders of the design, expected \{ stoop/],
+      [{ sliders: { stoop: '28' } }, /found "28" as slider stoop, expected a number/], [{ transitionMs: '1' }, /found "1" as transitionMs/]]) {
+      await assert.rejects(client.design('rig.a', bad), (error) => error instanceof TypeError && text.test(error.message), String(text));
+    }
+    assert.equal(asked.length, 4);
+  }));
+
 test('the reply to a take is waited for as long as the take is', () =>
   together(async (gateway, client) => {
     await opened(client);

@@ -46,7 +46,7 @@ def parse():
         sub.set_defaults(run=run)
         return sub
 
-    command('list', 'styles and presets', run_list, None)
+    command('list', 'styles, presets, cues, sliders', run_list, None)
     command('status', 'the daemon and its performers', run_status, None)
     change = command('set', 'change how a performer is styled', run_set, 'required')
     change.add_argument('--style', help='a single style')
@@ -66,6 +66,10 @@ def parse():
                           help='name of the style, for all clients' +
                                ("; default: the file's name" if name == 'like' else ''))
         make.add_argument('--transition', type=in_unit('ms'), metavar='MS', help='fade')
+        make.add_argument('--network', default='', metavar='NAME',
+                          help='the network that gets the style; default: what the example shows decides')
+        make.add_argument('--add', action='store_true',
+                          help='add the example to the made style of that name')
         if name == 'like':
             make.add_argument('--clip', required=True, metavar='FILE',
                               help='the example: BVH, glTF binary or VRMA, 0.3 to 60 s')
@@ -83,10 +87,30 @@ def parse():
                                    'difference from them is used')
             make.add_argument('--countdown', type=int, default=3, metavar='S',
                               help='seconds before each; default: 3')
+    design = command('design', 'make a style by hand, or move its sliders, and set the performer to it',
+                     run_design, 'required')
+    design.add_argument('sliders', nargs='*', type=slider, metavar='SLIDER=NUMBER',
+                        help='as in `list`, e.g. stoop=28; the others keep their value')
+    design.add_argument('--name', default='', help='name of the style; default: by-hand- and the performer')
+    design.add_argument('--from', dest='from_', default='', metavar='STYLE',
+                        help='the style to begin with; default: the made style of that name, or neutral')
+    design.add_argument('--preset', default='', metavar='DESIGN',
+                        help='set the sliders of this design first: one of `list`, or neutral')
+    design.add_argument('--transition', type=in_unit('ms'), metavar='MS', help='fade')
+    design.add_argument('--unworn', action='store_true',
+                        help='only make the style, without setting a performer to it')
     cue = command('cue', 'fire the cues of that name', run_cue, None)
     cue.add_argument('name', metavar='NAME')
     command('panic', 'everyone to bypass, pinned or not', run_panic, None)
-    return parser, parser.parse_args()
+    arguments, rest = parser.parse_known_args()
+    # argparse takes a list of words only before the options.
+    if rest and (arguments.command != 'design' or any(word.startswith('-') for word in rest)):
+        parser.error(f'unrecognized arguments: {" ".join(rest)}')
+    try:
+        arguments.sliders = getattr(arguments, 'sliders', []) + [slider(word) for word in rest]
+    except argparse.ArgumentTypeError as error:
+        parser.error(f'argument SLIDER=NUMBER: {error}')
+    return parser, arguments
 
 
 def describe(update):
@@ -143,6 +167,11 @@ def run_list(a):
         print(f'cue {cue.name}: {cue.performer}', *([f'at {cue.at}'] if cue.at else []))
     for preset in reply.presets:
         print(f'preset {preset.name}:', *(f'{w.style}={w.weight:g}' for w in preset.mix))
+    for one in reply.sliders:
+        print(f'slider {one.name}: {one.least:g} to {one.most:g}{" " + one.unit if one.unit else ""}, '
+              f'usually {one.usual:g}. {one.what}')
+    for one in reply.designs:
+        print(f'design {one.name}:', *(f'{name}={value:g}' for name, value in sorted(one.sliders.items())))
     return 0
 
 
@@ -237,20 +266,47 @@ def take_seconds(text):
 
 def say_style(reply, performer):
     of = f', of {reply.seconds:.2f} s' if reply.seconds > 0 else ''
-    far = ': unlike all styles that the weights know, so a weak mixture of them' if reply.distance > 1 else ''
+    # A measured example is as good far from the known styles as near them.
+    far = ': unlike all styles that the weights know, so a weak mixture of them' \
+        if reply.distance > 1 and not reply.found else ''
     print(f'style {reply.name}{of}: nearest to {reply.nearest}, at {reply.distance:.2f} of the mean '
           f'distance between styles{far}')
+    for line in reply.found:
+        print(f'  found  {line}')
+    for line in reply.weak:
+        print(f'  weak   {line}')
+    return say_style_of(performer, reply.name)
+
+
+def say_style_of(performer, style):
     if performer is not None:
-        print(f'{"everyone" if performer == styled.EVERYONE else performer}: {reply.name}')
+        print(f'{"everyone" if performer == styled.EVERYONE else performer}: {style}')
     return 0
 
 
 def run_like(a):
     with control(a) as daemon:
-        code = daemon.measure(a.neutral, rig=a.rig).code if a.neutral else ()
+        code = daemon.measure(a.neutral, rig=a.rig, network=a.network).code if a.neutral else ()
         performer = None if a.unworn else a.performer
         return say_style(daemon.like(performer, a.clip, a.name, rig=a.rig, transition_ms=a.transition,
-                                     neutral_code=code), performer)
+                                     neutral_code=code, network=a.network, add=a.add), performer)
+
+
+def slider(text):
+    name, sign, number = text.partition('=')
+    try:
+        return name, float(number) if name and sign else float('')
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}', expected SLIDER=NUMBER, e.g. stoop=28") from None
+
+
+def run_design(a):
+    with control(a) as daemon:
+        performer = None if a.unworn else a.performer
+        reply = daemon.design(performer, dict(a.sliders), name=a.name, from_=a.from_, preset=a.preset,
+                              transition_ms=a.transition)
+    print(f'style {reply.name}, by hand')
+    return say_style_of(performer, reply.name)
 
 
 def count_down(seconds, take_s, what):
@@ -266,10 +322,10 @@ def run_learn(a):
         code = ()
         if a.neutral:
             count_down(a.countdown, a.neutral, 'as usual: ')
-            code = daemon.measure_take(a.performer, a.neutral).code
+            code = daemon.measure_take(a.performer, a.neutral, a.network).code
         count_down(a.countdown, a.seconds, 'in the style: ' if a.neutral else '')
         return say_style(daemon.learn(a.performer, a.seconds, a.name, transition_ms=a.transition,
-                                      neutral_code=code), a.performer)
+                                      neutral_code=code, network=a.network, add=a.add), a.performer)
 
 
 def run_clear(a):

@@ -119,12 +119,37 @@ def _read_file(command: str, file: str) -> bytes:
 
 
 def _like_request(performer: Optional[str], name: str, transition_ms: Optional[float] = None,
-                  neutral_code: Sequence[float] = ()) -> control_pb2.Request:
+                  neutral_code: Sequence[float] = (), network: str = '', add: bool = False,
+                  command: str = 'like') -> control_pb2.Request:
     request = control_pb2.Request() if performer is None else _change(performer)
-    _put(request.like, 'name', name, 'like')
+    _put(request.like, 'name', name, command)
     request.like.neutral_code.extend(neutral_code)
+    _put(request.like, 'network', network, command)
+    _put(request.like, 'add', add, command)
     if transition_ms is not None:
-        _put(request.like, 'transition_ms', transition_ms, 'like')
+        _put(request.like, 'transition_ms', transition_ms, command)
+    return request
+
+
+def _design_request(performer: Optional[str], sliders: Optional[Mapping[str, float]], name: str,
+                    from_: str, preset: str,
+                    transition_ms: Optional[float]) -> control_pb2.Request:
+    request = _like_request(performer, name, transition_ms, command='design')
+    design = request.like.design
+    design.SetInParent()
+    if not isinstance(from_, str):
+        raise TypeError(f'design: from_ is {from_!r}, expected the name of a style')
+    setattr(design, 'from', from_)
+    _put(design, 'preset', preset, 'design')
+    if sliders is not None and not isinstance(sliders, Mapping):
+        raise TypeError(f"design: sliders is {sliders!r}, expected numbers by slider, e.g. "
+                        "{'stoop': 28, 'energy': 0.6}")
+    for slider, value in (sliders or {}).items():
+        try:
+            design.sliders[slider] = value
+        except (TypeError, ValueError):
+            raise TypeError(f'design: sliders has {slider!r}: {value!r}, expected the name of a '
+                            'slider and a number') from None
     return request
 
 
@@ -163,7 +188,7 @@ class Commands:
         return self._do(request, take)
 
     def list(self) -> control_pb2.ListReply:
-        """Styles and presets."""
+        """Styles, presets and cues; sliders and designs for `design`, if the weights have them."""
         return self._ask(control_pb2.Request(list={}), lambda reply: reply.list)
 
     def status(self) -> control_pb2.StatusReply:
@@ -219,43 +244,61 @@ class Commands:
 
     def like(self, performer: Optional[str], clip: str, name: Optional[str] = None,
              rig: str = 'auto', transition_ms: Optional[float] = None,
-             neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
+             neutral_code: Sequence[float] = (), network: str = '',
+             add: bool = False) -> control_pb2.LikeReply:
         """Makes a style from an example, the file `clip` (BVH, glTF binary, VRMA), for all clients,
         and sets the performer (None: no performer) to it. `name`: by default the file's. The result
         has `nearest` and `distance`: the example's distance from the styles that the weights know;
         above 1 it is unlike all of them. `neutral_code`: the code that `measure` or `measure_take`
         returned for a neutral example of the same performer; only the difference from it is used
-        then."""
+        then. The result's `found` lists the parts of the example, `weak` what is weak about them.
+        `network`: the one that gets the style, by its name in the list or its family; by default the
+        example decides. `add`: adds the example to the made style of that name, which is then the
+        mean of both."""
         stem = os.path.splitext(os.path.basename(clip))[0]
         plain = re.sub('[^A-Za-z0-9_-]', '-', stem).lstrip('-') or 'style'
-        request = _like_request(performer, name or plain[:32], transition_ms, neutral_code)
+        request = _like_request(performer, name or plain[:32], transition_ms, neutral_code,
+                                network, add)
         _fill_clip(request.like, clip, rig)
         return self._ask(request, _like_reply)
 
-    def measure(self, clip: str, rig: str = 'auto') -> control_pb2.LikeReply:
+    def measure(self, clip: str, rig: str = 'auto', network: str = '') -> control_pb2.LikeReply:
         """The result that `like` would have for a clip, including its `code`; makes no style."""
-        request = _like_request(None, '')
+        request = _like_request(None, '', network=network)
         _fill_clip(request.like, clip, rig)
         request.like.measure = True
         return self._ask(request, _like_reply)
 
     def learn(self, performer: str, seconds: float, name: str,
-              transition_ms: Optional[float] = None,
-              neutral_code: Sequence[float] = ()) -> control_pb2.LikeReply:
+              transition_ms: Optional[float] = None, neutral_code: Sequence[float] = (),
+              network: str = '', add: bool = False) -> control_pb2.LikeReply:
         """As `like`, from the performer's motion from now on, for this many seconds (1 to 60)."""
-        request = _like_request(performer, name, transition_ms, neutral_code)
+        request = _like_request(performer, name, transition_ms, neutral_code, network, add)
         request.like.learn_s = _take_seconds(seconds)
         return self._ask(request, _like_reply)
 
-    def measure_take(self, performer: str, seconds: float) -> control_pb2.LikeReply:
+    def measure_take(self, performer: str, seconds: float,
+                     network: str = '') -> control_pb2.LikeReply:
         """As `measure`, from the performer's motion from now on."""
-        request = _like_request(performer, '')
+        request = _like_request(performer, '', network=network)
         request.like.learn_s = _take_seconds(seconds)
         request.like.measure = True
         return self._ask(request, _like_reply)
 
+    def design(self, performer: Optional[str], sliders: Optional[Mapping[str, float]] = None, *,
+               name: str = '', from_: str = '', preset: str = '',
+               transition_ms: Optional[float] = None) -> control_pb2.LikeReply:
+        """Makes a style by hand, or moves its sliders, and sets the performer to it (None: no
+        performer). `sliders`: numbers by the names that list().sliders has, in their units; the
+        others keep their value. `name`: by default by-hand- and the performer. A style of that name
+        that was made by hand changes at once, without a fade. It begins with the style `from_`, by
+        default the made style of that name or a performer who is neutral; `preset`: the sliders of
+        one of list().designs, or of 'neutral', are set first."""
+        return self._ask(_design_request(performer, sliders, name, from_, preset, transition_ms),
+                         _like_reply)
+
     def export_style(self, name: str) -> bytes:
-        """The file of a style that was made from an example."""
+        """The file of a style that was made."""
         request = control_pb2.Request()
         request.export_style.name = name
         return self._ask(request, lambda reply: reply.style_file.file)

@@ -11,7 +11,8 @@ import zmq
 
 import styled
 import styled.aio
-from daemon import PATIENCE_S, Daemon, wait_for
+from daemon import PATIENCE_S, Daemon, FakeDaemon, wait_for
+from styled.v1 import control_pb2
 
 STREAMS = (styled.RIG, styled.CANONICAL, styled.SOURCE)
 ROOT = os.path.join(os.path.dirname(__file__), '..', '..', '..')
@@ -227,18 +228,18 @@ class ClientTest(unittest.TestCase):
             self.assertIn(text, err)
         code, out, err = run('like', '*', '--unworn', '--clip', clip, '--neutral', clip, env=environment)
         self.assertEqual((code, err), (0, ''))
-        self.assertRegex(out, r'\Astyle synthetic, of \d+\.\d\d s: nearest to \S+, at \d+\.\d\d of the mean .*\n\Z')
+        self.assertRegex(out, r'(?s)\Astyle synthetic, of \d+\.\d\d s: nearest to \S+, at \d+\.\d\d of the mean [^\n]*\n  found  walk: .*\n\Z')
         self.daemon.simulate()
         with styled.Control(self.daemon.control) as control:
             wait_for(lambda: control.status().stats.performers, 'the performer')
             code, out, err = run('like', 'rig.sim', '--clip', clip, '--name', 'mine', env=environment)
             self.assertEqual((code, err), (0, ''))
-            self.assertRegex(out, r'\Astyle mine, .*\nrig\.sim: mine\n\Z')
+            self.assertRegex(out, r'(?s)\Astyle mine, .*\nrig\.sim: mine\n\Z')
             self.assertEqual(control.status().stats.performers[0].styles[0].style, 'mine')
             code, out, err = run('learn', 'rig.sim', '--name', 'shown', '--seconds', '1s', '--neutral', '1',
                                  '--countdown', '1', env=environment)
             self.assertEqual((code, err), (0, 'as usual: 1... now, for 1 s\nin the style: 1... now, for 1 s\n'))
-            self.assertRegex(out, r'\Astyle shown, of 1\.\d\d s: .*\nrig\.sim: shown\n\Z')
+            self.assertRegex(out, r'(?s)\Astyle shown, of 1\.\d\d s: .*\nrig\.sim: shown\n\Z')
             self.assertIn('shown', [style.name for style in control.list().styles])
 
 
@@ -305,6 +306,59 @@ class WithoutADaemonTest(unittest.TestCase):
                 with self.assertRaisesRegex(styled.Garbled, 'not a styled daemon'):
                     control.status()
 
+    def test_a_style_by_hand(self):
+        found = control_pb2.LikeReply(name='by-hand-rig-a', nearest='old', distance=2, found=['walk: 7 strides'],
+                                      weak=['walk: only 2 s'])
+        lists = control_pb2.ListReply(
+            sliders=[dict(name='stoop', unit='degrees', least=-30, most=60, what='Rounds the back.')],
+            designs=[dict(name='sneaky', sliders={'stoop': 28, 'energy': 0.5})])
+        with FakeDaemon(like=found, list=lists) as daemon:
+            with styled.Control(daemon.control, timeout=PATIENCE_S) as control:
+                self.assertEqual(control.list().designs[0].sliders['stoop'], 28)
+                reply = control.design('rig.a', {'stoop': 28, 'energy': 0.5})
+                self.assertEqual((list(reply.found), list(reply.weak)), (['walk: 7 strides'], ['walk: only 2 s']))
+                control.design(None, name='mine', from_='pirate', preset='sneaky', transition_ms=500)
+                clip = os.path.join(ROOT, 'tests', 'parity', 'fixtures', 'synthetic.bvh')
+                control.like('rig.a', clip, 'mine', network='phase', add=True)
+                control.learn('rig.a', 1, 'mine', network='phase', add=True)
+                for bad, text in (((3,), 'sliders is 3, expected numbers by slider'),
+                                  (({'stoop': 'x'},), "'stoop': 'x', expected the name of a slider and a number")):
+                    with self.assertRaisesRegex(TypeError, text):
+                        control.design('rig.a', *bad)
+                for name in ('name', 'from_', 'preset'):
+                    with self.assertRaisesRegex(TypeError, f'design: {name} is 3, expected'):
+                        control.design('rig.a', **{name: 3})
+                with self.assertRaisesRegex(ValueError, 'SOURCE.NAME'):
+                    control.design('anna')
+
+            async def go():
+                async with styled.aio.Control(daemon.control, timeout=PATIENCE_S) as control:
+                    return (await control.design('rig.a', {'stoop': 3})).name
+            self.assertEqual(asyncio.run(go()), 'by-hand-rig-a')
+            environment = dict(os.environ, STYLED_CONTROL=daemon.control)
+            code, out, err = run('design', 'rig.a', 'stoop=28', '--name', 'mine', '--from', 'pirate',
+                                 'energy=.5', '--preset', 'sneaky', env=environment)
+            self.assertEqual((code, out, err), (0, 'style by-hand-rig-a, by hand\nrig.a: by-hand-rig-a\n', ''))
+            self.assertEqual(run('list', env=environment)[1],
+                             'slider stoop: -30 to 60 degrees, usually 0. Rounds the back.\n'
+                             'design sneaky: energy=0.5 stoop=28\n')
+            code, out, err = run('like', 'rig.a', '--clip', clip, '--add', '--network', 'phase', env=environment)
+            self.assertEqual((code, out.splitlines()), (0, [
+                'style by-hand-rig-a: nearest to old, at 2.00 of the mean distance between styles',
+                '  found  walk: 7 strides', '  weak   walk: only 2 s', 'rig.a: by-hand-rig-a']))
+        likes = [(r.performer, r.like) for r in daemon.requests if r.WhichOneof('command') == 'like']
+        self.assertEqual([(performer, like.name, dict(like.design.sliders)) for performer, like in likes[::4]],
+                         [('rig.a', '', {'stoop': 28, 'energy': 0.5}), ('rig.a', '', {'stoop': 3})])
+        self.assertEqual([like.HasField('design') for _, like in likes], [True, True, False, False, True, True, False])
+        performer, kept = likes[1]
+        self.assertEqual((performer, kept.name, getattr(kept.design, 'from'), kept.design.preset, kept.transition_ms),
+                         ('', 'mine', 'pirate', 'sneaky', 500))
+        for _, like in likes[2:4] + likes[6:]:
+            self.assertEqual((like.network, like.add), ('phase', True))
+        shell = likes[5][1]
+        self.assertEqual((shell.name, getattr(shell.design, 'from'), shell.design.preset, dict(shell.design.sliders)),
+                         ('mine', 'pirate', 'sneaky', {'stoop': 28, 'energy': 0.5}))
+
     def test_wrong_arguments(self):
         for make in (lambda: styled.Subscriber('nonsense'), lambda: styled.Subscriber([]),
                      lambda: styled.Subscriber(queue_messages=0), lambda: styled.Control('nonsense'),
@@ -322,6 +376,12 @@ class WithoutADaemonTest(unittest.TestCase):
                 (['like', 'rig.a', '--clip', '/nonexistent.bvh'], 2, '/nonexistent.bvh: No such file'),
                 (['like', 'rig.a', '--clip', '/'], 2, '/: Is a directory'),
                 (['like', 'rig.a'], 2, '--clip'),
+                (['design', 'rig.a', 'stoop'], 2, "'stoop', expected SLIDER=NUMBER"),
+                (['design', 'rig.a', 'stoop=x'], 2, "'stoop=x', expected SLIDER=NUMBER"),
+                (['design', 'rig.a', '--name', 'x', 'stoop'], 2, "'stoop', expected SLIDER=NUMBER"),
+                (['design', 'rig.a', '--nam', 'x', '--from', 'y', '--stoop=3'], 2, 'unrecognized arguments: --stoop=3'),
+                (['clear', 'rig.a', 'stoop=3'], 2, 'unrecognized arguments: stoop=3'),
+                (['design', 'rig.a', '=1'], 2, "'=1', expected SLIDER=NUMBER"),
                 (['learn', 'rig.a'], 2, '--name'),
                 (['learn', 'rig.a', '--name', 'x', '--seconds', '61'], 2, '61, expected 1 to 60 s'),
                 (['learn', 'rig.a', '--name', 'x', '--seconds', 'nan'], 2, 'nan, expected 1 to 60 s'),
