@@ -208,6 +208,139 @@ test('what is wrong with a performer is in the row: the warning, and that they a
   daemon.set('rig.anna', { clear: true, parts: [0] });
 });
 
+const SLIDERS = [['stoop', 'Stoop', 'Posture', 'degrees', -30, 60, 0], ['chin', 'Chin', 'Posture', 'degrees', -40, 40, 0],
+  ['energy', 'Energy', 'Character', '', 0, 2, 1], ['hold', 'Hold and snap', 'Character', 's', 0, 1, 0]]
+  .map(([name, title, group, unit, least, most, usual]) => ({ name, title, group, unit, least, most, usual, what: `What ${name} does.` }));
+const knob = (name) => page.locator(`[data-slider=${name}] input`);
+const value = (name) => page.locator(`[data-slider=${name}] output`).innerText();
+const lastLike = () => daemon.likes.at(-1);
+
+test('without sliders there is no style by hand; with them they are there by group, with value and unit', async () => {
+  assert.ok(!(await page.locator('.byhand').isVisible()));
+  Object.assign(daemon.list, { sliders: SLIDERS, designs: [{ name: 'sneaky', sliders: { stoop: 28, energy: 0.6 } }] });
+  await page.evaluate(() => {
+    globalThis.styled.cards.previews.forgive(); // this daemon has some, now
+    return globalThis.styled.app.fetchList();
+  });
+  await page.locator('.byhand summary').click();
+  await until(() => knob('stoop').isVisible(), 'the sliders');
+  assert.deepEqual(await page.locator('.byhand legend').allInnerTexts(), ['Posture', 'Character']);
+  assert.deepEqual([await value('stoop'), await value('energy'), await value('hold')], ['0°', '× 1', '0 s']);
+  assert.deepEqual([await knob('stoop').getAttribute('aria-valuetext'), await knob('stoop').getAttribute('title')], ['0 degrees', 'What stoop does.']);
+  assert.equal(daemon.likes.length, 0, 'nothing is sent');
+  for (const [width, height] of [[1280, 720], [390, 844]]) {
+    await page.setViewportSize({ width, height });
+    assert.deepEqual(await (await axeOf(page))('.byhand'), [], `${width} x ${height}`);
+    await page.locator('.byhand').scrollIntoViewIfNeeded();
+    await takePicture(page, `by hand ${width}x${height}`);
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
+});
+
+test('a slider moves the style live: one request at a time, then the newest values', async () => {
+  daemon.set('rig.anna', { mix: [{ style: 'angry', weight: 1 }], strength: 1 });
+  daemon.tell();
+  await until(() => page.evaluate(() => globalThis.styled.app.entry().look.mix[0]?.style === 'angry'), 'the look');
+  let answer;
+  daemon.hold = new Promise((resolve) => (answer = resolve));
+  for (const stoop of ['3', '9', '20']) await knob('stoop').fill(stoop);
+  await knob('energy').fill('0.5');
+  await page.waitForTimeout(300);
+  assert.equal(daemon.likes.length, 1, 'the first is not answered yet');
+  assert.deepEqual([lastLike().performer, lastLike().name, lastLike().design.from, lastLike().design.sliders],
+    ['rig.anna', '', 'neutral', { stoop: 3, chin: 0, energy: 1, hold: 0 }]);
+  daemon.hold = undefined;
+  answer();
+  await until(() => daemon.likes.length === 2, 'the second');
+  assert.deepEqual(lastLike().design.sliders, { stoop: 20, chin: 0, energy: 0.5, hold: 0 });
+  await until(() => looks()['rig.anna'].mix === 'by-hand-rig-anna 1', 'the style to be worn');
+  assert.deepEqual([await value('stoop'), await value('energy')], ['20°', '× 0.5']);
+  await until(() => daemon.previews.includes('by-hand-rig-anna'), 'its figure');
+  await until(() => page.locator('.design canvas').evaluate((canvas) => new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer).some((pixel) => pixel !== 0)), 'a drawn figure');
+  await takePicture(page, 'by hand figure');
+  const before = daemon.previews.length;
+  await knob('stoop').press('ArrowRight');
+  await until(() => lastLike().design.sliders.stoop === 21, 'the arrow key');
+  await until(() => daemon.previews.slice(before).includes('by-hand-rig-anna'), 'its figure again, once the slider rests');
+});
+
+test('undo, redo and reset of sliders', async () => {
+  await until(async () => page.evaluate(() => globalThis.styled.app.entry().look.mix[0]?.style === 'by-hand-rig-anna'), 'the look');
+  await page.waitForTimeout(1600); // another gesture
+  await knob('chin').fill('10');
+  await until(() => lastLike().design.sliders.chin === 10, 'the chin');
+  await click('[data-design=undo]');
+  await until(async () => lastLike().design.sliders.chin === 0 && (await value('chin')) === '0°', 'the chin before');
+  await page.keyboard.press('Control+Shift+Z');
+  await until(async () => lastLike().design.sliders.chin === 10 && (await value('chin')) === '10°', 'the chin again');
+  assert.equal(await page.locator('[data-design=redo]').isDisabled(), true);
+  await click('[data-design=reset]');
+  await until(() => lastLike().design.sliders.stoop === 0, 'the start');
+  assert.deepEqual(lastLike().design.sliders, { stoop: 0, chin: 0, energy: 1, hold: 0 });
+  await page.keyboard.press('Control+z');
+  await until(() => lastLike().design.sliders.chin === 10, 'what was before the reset');
+});
+
+test('a style begins with a design, is saved under a name with all its sliders, and shared', async () => {
+  const from = page.locator('select[name=design_from]');
+  await from.selectOption('design sneaky');
+  await until(async () => lastLike().design.sliders.stoop === 28 && (await value('energy')) === '× 0.6', 'the design');
+  await page.locator('input[name=design_name]').fill('angry');
+  await click('[data-design=save]');
+  assert.match(await page.locator('.saving .hint').innerText(), /angry is already a name/);
+  await page.locator('input[name=design_name]').fill('thief');
+  await click('[data-design=save]');
+  await said(/^thief is saved/);
+  const { performer, name, design } = lastLike();
+  assert.deepEqual([performer, name, design.from, Object.keys(design.sliders).length, design.sliders.stoop], ['', 'thief', 'neutral', 4, 28]);
+  assert.equal(looks()['rig.anna'].mix, 'by-hand-rig-anna 1', 'the performer goes on');
+  await until(() => page.locator('[data-style=thief]').count(), 'its card');
+  await click('[data-design=share]');
+  await until(() => downloads.length === 1, 'its file');
+  assert.equal(downloads.splice(0)[0].suggestedFilename(), 'thief.json');
+  await from.selectOption('style thief');
+  await until(() => lastLike().design.from === 'thief', 'the made style');
+});
+
+test('an error of the daemon is said, and sliders that others have moved are followed', async () => {
+  daemon.pinned.add('rig.anna');
+  await knob('hold').fill('0.3');
+  await said(/like: rig\.anna is pinned/);
+  daemon.pinned.clear();
+  await page.waitForTimeout(1600);
+  daemon.list.styles.find(({ name }) => name === 'by-hand-rig-anna').sliders = { stoop: 44 };
+  await page.evaluate(() => globalThis.styled.app.fetchList());
+  await until(async () => (await value('stoop')) === '44°', "the other's stoop");
+  assert.equal(await value('hold'), '0 s');
+  await click('[data-performer="rig.ben"]');
+  await until(async () => (await value('stoop')) === '0°', 'the sliders of the other performer');
+  await click('[data-performer="rig.anna"]');
+  await page.locator('.byhand summary').click();
+});
+
+test('what was found of an example is listed, and it can be added to the made style that is chosen', async () => {
+  daemon.found = { found: ['walk: 7.2 strides in 6.4 s', 'run: 3 strides'], weak: ['walk: only 2.1 s; show 3 s or more'] };
+  daemon.tell();
+  await drop(page, ['pirate.bvh', Buffer.from('HIERARCHY')]);
+  await page.locator('.ask').waitFor();
+  await until(async () => /add to by-hand-rig-anna/.test(await page.locator('.ask').innerText()), 'the offer');
+  await page.locator('input[name=style]').fill('thief'); // made, too
+  await page.getByLabel('add to thief').check();
+  assert.doesNotMatch(await page.locator('.ask').innerText(), /Replaces/);
+  await click('.ask .go');
+  await until(() => page.locator('.result .found li').count(), 'the findings');
+  assert.deepEqual([lastLike().name, lastLike().add, lastLike().file], ['thief', true, 'pirate.bvh']);
+  assert.match(await page.locator('.result').innerText(), /^pirate\.bvh is added to thief/);
+  assert.deepEqual(await page.locator('.result .found li').allInnerTexts(), daemon.found.found);
+  assert.deepEqual(await page.locator('.result .weak li').allInnerTexts(), daemon.found.weak);
+  assert.doesNotMatch(await page.locator('.result').innerText(), /weak mixture/, 'what is measured is good however far it is');
+  assert.deepEqual(await (await axeOf(page))('.examples'), []);
+  Object.assign(daemon.list, { sliders: [], designs: [], styles: daemon.list.styles.filter(({ made }) => !made) });
+  daemon.set('rig.anna', { clear: true });
+  await page.evaluate(() => globalThis.styled.app.fetchList());
+  await until(async () => !(await page.locator('.byhand').isVisible()), 'no sliders, no panel');
+});
+
 const placeOf = (prop) => page.evaluate((prop) => [...globalThis.styled.stage.performers.values()].find(({ name }) => name === 'rig.anna').roles.after.props.place(prop), prop);
 
 test('props stand on the stage, and go', async () => {

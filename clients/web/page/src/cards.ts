@@ -11,6 +11,7 @@ export const STYLE_KEYS = '1234567890';
 const LONG = 20; // letters; a longer name of a made style is cut, and complete in its title
 const FILTER_FROM = 24; // number of styles below which no search is needed
 const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
+const OTHER = ' '; // the key of a figure elsewhere; no style has this name
 const KEPT = 'styled.figures'; // whether figures are shown, in this browser
 
 interface Card {
@@ -23,8 +24,17 @@ interface Card {
   canvas: HTMLCanvasElement | undefined;
 }
 
+/** A figure of one style, in another panel. */
+export interface Figure {
+  /** Of no style: the canvas is left as it is. */
+  show(style: string | undefined, canvas?: HTMLCanvasElement): void;
+}
+
 const textOf = (info: StyleInfo, place: number) =>
   JSON.stringify([info.name, info.weak, info.recognized, info.model, info.made, info.source, info.nearest, info.distance, info.varies, place < 20 ? place : 20]);
+
+// The values that change without a new card.
+const slidersOf = ({ sliders }: StyleInfo) => JSON.stringify(Object.entries(sliders).sort());
 
 function titleOf(app: App, info: StyleInfo, key: string): string {
   const parts = [key ? `${info.name} (${key})` : info.name];
@@ -54,11 +64,15 @@ export class Cards {
   private order = '';
   private listed: ListReply | undefined; // the present content
   private version = '';
+  private other: { style: string; canvas: HTMLCanvasElement } | undefined;
   private lit = new Set<string>(); // cards whose fill is not empty
 
   constructor(private readonly app: App, private readonly inForce: () => Map<string, number>, private readonly menu: StyleMenu) {
     this.previews = new Previews((style) => app.client.preview(style));
-    this.previews.onFilm = (style) => this.paintFigure(style);
+    this.previews.onFilm = (style) => {
+      this.paintFigure(style);
+      if (style === this.other?.style) this.paintOther();
+    };
     this.previews.onRefused = () => {
       this.paintKind();
       app.changed();
@@ -97,11 +111,33 @@ export class Cards {
     return this.moving && !this.previews.refused;
   }
 
+  /** A figure elsewhere, whose style comes before those of the cards. */
+  readonly figure: Figure = {
+    show: (style, canvas) => {
+      if (style === this.other?.style && canvas === this.other?.canvas) return;
+      this.other = style && canvas ? { style, canvas } : undefined;
+      this.figures.hide(OTHER);
+      canvas?.getContext('2d')?.clearRect(0, 0, canvas.width, canvas.height);
+      this.paintOther();
+      this.wish();
+    },
+  };
+
+  private paintOther(): void {
+    if (!this.other) return;
+    const { style, canvas } = this.other;
+    canvas.hidden = !this.figured;
+    const film = this.figured ? this.previews.film(style) : undefined;
+    if (film) this.figures.show(OTHER, canvas, film); // until it comes, the former one is shown
+    else if (!this.figured || !this.app.info(style)) this.figures.hide(OTHER);
+  }
+
   // With or without figures.
   private paintKind(): void {
     this.grid.classList.toggle('plain', !this.figured);
     this.toggle.hidden = this.previews.refused;
     for (const name of this.cards.keys()) this.paintFigure(name);
+    this.paintOther();
     this.wish();
   }
 
@@ -131,8 +167,9 @@ export class Cards {
       this.order = order;
       this.arrange(infos.map(({ name }) => name));
     }
-    this.previews.know(new Map(infos.map((info) => [info.name, `${app.version} ${textOf(info, 20)}`])));
+    this.previews.know(new Map(infos.map((info) => [info.name, `${app.version} ${textOf(info, 20)} ${slidersOf(info)}`])));
     for (const name of this.inView) this.paintFigure(name);
+    this.paintOther();
     this.wish();
   }
 
@@ -215,7 +252,8 @@ export class Cards {
   }
 
   private wish(): void {
-    this.previews.want(this.figured ? [...this.cards.keys()].filter((name) => this.inView.has(name)) : []);
+    const others = this.other ? [this.other.style] : [];
+    this.previews.want(this.figured ? [...others, ...[...this.cards.keys()].filter((name) => this.inView.has(name))] : []);
   }
 
   // Only a card in view has a canvas.

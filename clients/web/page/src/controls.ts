@@ -152,7 +152,7 @@ function unseen(app: App): HTMLElement {
   return box;
 }
 
-export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement {
+export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTMLElement): HTMLElement {
   const percent = (value: number) => `${Math.round(100 * value)} %`;
   const strength = slider('Strength', { min: 0, max: 1.5, step: 0.01 }, percent,
     paced((value: number) => app.set({ strength: value }, `strength ${percent(value)}`, 'strength')));
@@ -208,7 +208,7 @@ export function controls(app: App, cards: Cards, cues: HTMLElement): HTMLElement
   const controls = h('fieldset', { className: 'whole' }, style,
     h('section', {}, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
       h('div', { className: 'row' }, bypass, pin, reset, calibrate)),
-    variation(app), cues, presetSection, two);
+    byHand, variation(app), cues, presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;
     style.style.minHeight = `${100 + none.offsetHeight + cards.least}px`;

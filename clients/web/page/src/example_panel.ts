@@ -51,13 +51,25 @@ interface Form {
   close(): void;
 }
 
+interface Take {
+  seconds: number;
+  neutral: boolean; // a neutral take comes first
+  add: boolean; // the example is added to the style of that name
+}
+
 type Ask =
   | { kind: 'file'; file: File; name: string }
   | { kind: 'style'; file: File; name: string }
   | { kind: 'learn' };
 
+// The made style that the selected performer wears, alone; '' if there is none.
+function chosenMade(app: App): string {
+  const mix = (app.entry()?.look?.mix ?? []).filter(({ weight }) => weight > 0);
+  return mix.length === 1 && app.info(mix[0]!.style)?.made ? mix[0]!.style : '';
+}
+
 // Asks for the name and the other options.
-function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neutral: boolean) => void): Form {
+function nameForm(app: App, done: (name: string, ask: Ask, take: Take) => void): Form {
   const about = h('p', { className: 'hint' });
   const name = h('input', { type: 'text', name: 'style', maxLength: 40, spellcheck: false, autocomplete: 'off', 'aria-label': 'Name of the style' });
   const seconds = h('input', { type: 'number', name: 'seconds', min: '1', max: '60', step: '1', value: '8', 'aria-label': 'Seconds of the take' });
@@ -65,12 +77,19 @@ function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neut
   const learning = h('div', { className: 'learning' },
     h('label', {}, seconds, ' seconds'),
     h('label', { title: 'First the performer moves as usual; only the difference is used' }, neutral, ' neutral take first'));
+  const add = h('input', { type: 'checkbox', name: 'add' }), addWords = h('span', {});
+  const adding = h('label', { title: 'The style is the mean of what both examples show, and has what only one shows' }, add, addWords);
+  let addTo = ''; // the made style to which the example can be added
+  let own = ''; // the name while nothing is added
   const remark = h('p', { className: 'hint', role: 'status' });
   const go = h('button', { type: 'submit', className: 'go' }, 'Make');
   let ask: Ask | undefined;
   const check = (): string => {
     const taken = app.taken(), fault = nameFault(name.value.trim(), taken);
-    const replaced = replacedBy(name.value.trim(), taken);
+    const replaced = add.checked ? '' : replacedBy(name.value.trim(), taken);
+    if (!add.checked) addTo = ask?.kind === 'style' ? '' : replaced || chosenMade(app);
+    adding.hidden = addTo === '';
+    setText(addWords, ` add to ${addTo}`);
     setText(remark, fault || (replaced ? `Replaces ${replaced}. Undo brings it back.` : ''));
     remark.classList.toggle('bad', fault !== '');
     return fault;
@@ -80,6 +99,12 @@ function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neut
     ask = undefined;
   };
   name.addEventListener('input', check);
+  add.addEventListener('change', () => {
+    if (add.checked) own = name.value;
+    name.value = add.checked ? addTo : own;
+    name.readOnly = add.checked;
+    check();
+  });
   const element = h('form', {
     className: 'ask', hidden: true, noValidate: true,
     onsubmit: (event: Event) => {
@@ -94,14 +119,14 @@ function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neut
       }
       const asked = ask;
       close();
-      done(name.value.trim(), asked, length, neutral.checked);
+      done(name.value.trim(), asked, { seconds: length, neutral: neutral.checked, add: add.checked });
     },
     onkeydown: (event: KeyboardEvent) => {
       if (event.key !== 'Escape') return;
       event.stopPropagation(); // Esc here closes the dialog instead of Panic
       close();
     },
-  }, about, h('label', { className: 'named' }, 'Name', name), learning, remark,
+  }, about, h('label', { className: 'named' }, 'Name', name), adding, learning, remark,
      h('div', { className: 'row' }, go, h('button', { type: 'button', onclick: close }, 'Cancel')));
   return {
     element,
@@ -109,6 +134,7 @@ function nameForm(app: App, done: (name: string, ask: Ask, seconds: number, neut
     open(next) {
       ask = next;
       learning.hidden = next.kind !== 'learn';
+      add.checked = name.readOnly = false;
       setText(go, next.kind === 'learn' ? 'Start' : next.kind === 'style' ? 'Import' : 'Make');
       setText(about, next.kind === 'learn' ? `${app.selected} acts the style out, after a countdown.` : next.file.name);
       name.value = next.kind === 'learn' ? proposedName('style', app.taken()) : next.name;
@@ -134,9 +160,11 @@ export interface ExamplePanel {
 export function examplePanel(app: App, examples: Examples): ExamplePanel {
   let lesson: Lesson | undefined;
   let busy = false;
-  const result = h('p', { className: 'result', role: 'status' });
-  const say = ({ text, bad }: Outcome) => {
-    setText(result, text);
+  const result = h('div', { className: 'result', role: 'status' });
+  const list = (className: string, title: string, lines: string[] = []) =>
+    lines.length === 0 ? [] : [h('ul', { className, 'aria-label': title }, ...lines.map((line) => h('li', {}, line)))];
+  const say = ({ text, bad, found, weak }: Outcome) => {
+    result.replaceChildren(h('p', {}, text), ...list('found', 'Found in the example', found), ...list('weak', 'Weak in the example', weak));
     result.classList.toggle('bad', bad);
     result.hidden = text === '';
   };
@@ -167,7 +195,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     running.course.go(performance.now());
     return !running.cancelled;
   };
-  const learnFrom = async (name: string, seconds: number, neutral: boolean) => {
+  const learnFrom = async (name: string, { seconds, neutral, add }: Take) => {
     const performer = app.selected, looks = app.looks(performer);
     const running: Lesson = { course: new Course(seconds, neutral, performance.now()), performer, name, cancelled: false };
     lesson = running;
@@ -182,14 +210,14 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
         running.course.done(performance.now());
       }
       if (!(await counted(running))) return;
-      const reply = await app.client.like(performer, { name, learnS: seconds, neutralCode, transitionMs: app.transition_ms });
+      const reply = await app.client.like(performer, { name, learnS: seconds, neutralCode, add, transitionMs: app.transition_ms });
       if (running.cancelled) { // too late for the daemon: it is undone
         await app.fetchLooks();
         await app.restore(looks);
         return await back();
       }
       examples.made(name, looks, back);
-      say(outcomeOf(reply, performer, performer));
+      say(outcomeOf(reply, performer, performer, add));
     } catch (error) {
       if (!running.cancelled) fail(error);
     } finally {
@@ -201,24 +229,24 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     }
   };
 
-  const form = nameForm(app, (name, ask, seconds, neutral) => {
-    if (ask.kind === 'learn') void learnFrom(name, seconds, neutral);
-    else void send(name, ask.file, ask.kind);
+  const form = nameForm(app, (name, ask, take) => {
+    if (ask.kind === 'learn') void learnFrom(name, take);
+    else void send(name, ask.file, ask.kind, take.add);
     zone.focus();
   });
   // One after the other, so that the reply to the last file remains.
   let sent: Promise<void> = Promise.resolve();
-  const send = (name: string, file: File, kind: 'file' | 'style'): Promise<void> => {
-    sent = sent.catch(() => undefined).then(() => sendNow(name, file, kind));
+  const send = (name: string, file: File, kind: 'file' | 'style', add = false): Promise<void> => {
+    sent = sent.catch(() => undefined).then(() => sendNow(name, file, kind, add));
     return sent;
   };
-  const sendNow = async (name: string, file: File, kind: 'file' | 'style') => {
+  const sendNow = async (name: string, file: File, kind: 'file' | 'style', add: boolean) => {
     busy = true;
     say({ text: `${file.name}: reading …`, bad: false });
     paint();
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      say(await (kind === 'file' ? examples.like(name, bytes, file.name) : examples.add(name, bytes)));
+      say(await (kind === 'file' ? examples.like(name, bytes, file.name, add) : examples.add(name, bytes)));
     } catch (error) {
       fail(error);
     }

@@ -2,6 +2,7 @@
 import { Code, RefusedError, type LikeReply } from 'styled-client';
 
 import type { App } from './app.js';
+import type { Design } from './design.js';
 import type { Setting } from './looks.js';
 import { saveFile } from './save.js';
 
@@ -14,6 +15,9 @@ const NOT_SHOWN = [Code.PINNED, Code.UNKNOWN_PERFORMER, Code.NOT_READY];
 export interface Outcome {
   text: string;
   bad: boolean;
+  /** The parts that the example shows, and their weaknesses. */
+  found?: string[];
+  weak?: string[];
 }
 
 const size = (bytes: number) =>
@@ -26,13 +30,15 @@ export function fileFault(file: { name: string; size: number }): string {
 }
 
 /** The reply's description of the example. */
-export function outcomeOf(reply: LikeReply, from: string, wearer: string): Outcome {
+export function outcomeOf(reply: LikeReply, from: string, wearer: string, add = false): Outcome {
   const seconds = reply.seconds > 0 ? ` (${reply.seconds.toFixed(1)} s)` : '';
   const worn = wearer ? '' : ' No performer wears it yet.';
   const near = reply.nearest ? ` Nearest: ${reply.nearest}, distance ${reply.distance.toFixed(2)}.` : '';
-  const far = reply.distance > 1;
+  const { found, weak } = reply;
+  const far = reply.distance > 1 && found.length === 0; // what is measured is as good far from the known styles
   const warning = far ? ' It is unlike all styles that the network knows: expect a weak mixture of similar ones.' : '';
-  return { text: `${reply.name} is made from ${from}${seconds}.${worn}${near}${warning}`, bad: far };
+  const made = add ? `${from} is added to ${reply.name}` : `${reply.name} is made from ${from}`;
+  return { text: `${made}${seconds}.${worn}${near}${warning}`, bad: far, found, weak };
 }
 
 export class Examples {
@@ -67,14 +73,15 @@ export class Examples {
     });
   }
 
-  async like(name: string, clip: Uint8Array, file: string): Promise<Outcome> {
+  /** `add`: the example is added to the made style of that name. */
+  async like(name: string, clip: Uint8Array, file: string, add: boolean): Promise<Outcome> {
     const { app } = this;
     const target = app.target, looks = app.looks(target);
     const back = await this.former(name);
     try {
-      const reply = await app.client.like(target, { name, clip, file, transitionMs: app.transition_ms });
+      const reply = await app.client.like(target, { name, clip, file, add, transitionMs: app.transition_ms });
       this.made(name, looks, back);
-      return outcomeOf(reply, file, target);
+      return outcomeOf(reply, file, target, add);
     } catch (error) {
       if (!(error instanceof RefusedError && NOT_SHOWN.includes(error.code))) throw error;
       this.made(name, looks, back);
@@ -82,6 +89,18 @@ export class Examples {
     } finally {
       await app.refresh();
     }
+  }
+
+  /** Keeps a style by hand under a name; false if that failed. */
+  async design(name: string, { from, sliders }: Design): Promise<boolean> {
+    let kept = false;
+    await this.attempt(`${name} is saved`, async () => {
+      const back = await this.former(name);
+      await this.app.client.design('', { name, from, sliders });
+      this.made(name, new Map(), back);
+      kept = true;
+    });
+    return kept;
   }
 
   /** Adds the style of a file of the library. */

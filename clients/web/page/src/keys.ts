@@ -13,6 +13,7 @@ const HELP: [string, string][] = [
   ['B', 'bypass'],
   ['Esc', 'panic: all performers to bypass'],
   ['Ctrl+Z, U', 'undo: the former look, or a removed style'],
+  ['Ctrl+Shift+Z, Ctrl+Y', 'redo: the sliders of the style by hand'],
   ['[ ]', 'strength down, up'],
   ['G', 'GO: the next cue'],
   ['N', 'another variation of the style'],
@@ -52,7 +53,7 @@ function letGo(): void {
 }
 
 export function keys(
-  app: App, stage: Stage, looks: Looks, record: RecordPanel, cues: CuePanel, cancelLesson: () => boolean,
+  app: App, stage: Stage, looks: Looks, record: RecordPanel, cues: CuePanel, cancelLesson: () => boolean, redo: () => boolean,
 ): Dialog {
   const help = dialog('Keys', 'help',
     h('dl', {}, ...HELP.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])));
@@ -105,6 +106,11 @@ export function keys(
     if ((event.ctrlKey || event.metaKey) && !event.shiftKey && !event.altKey && event.key.toLowerCase() === 'z' && !typing) {
       event.preventDefault();
       if (!event.repeat) void app.undoLast();
+      return;
+    }
+    const again = event.key.toLowerCase() === (event.shiftKey ? 'z' : 'y');
+    if ((event.ctrlKey || event.metaKey) && !event.altKey && again && !typing) {
+      if (redo()) event.preventDefault();
       return;
     }
     if (event.ctrlKey || event.altKey || event.metaKey) return;

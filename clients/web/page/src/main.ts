@@ -6,6 +6,7 @@ import { App } from './app.js';
 import { Cards } from './cards.js';
 import { controls } from './controls.js';
 import { cuePanel } from './cues.js';
+import { designPanel } from './design_panel.js';
 import { h } from './dom.js';
 import { examplePanel } from './example_panel.js';
 import { Examples } from './examples.js';
@@ -41,15 +42,16 @@ function whole(client: StyledClient, known: string | undefined): object {
   const links = share(app, stage, known);
   const left = roster(app, stage, record.element, example, links.show);
   const cues = cuePanel(app);
-  const help = keys(app, stage, left.looks, record, cues, example.cancel);
   const chosen = () => stage.performers.get(app.selected);
   const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
+  const byHand = designPanel(app, examples, cards.figure);
+  const help = keys(app, stage, left.looks, record, cues, example.cancel, byHand.redo);
 
   document.getElementById('app')!.append(
     topBar(app, stage, help.toggle),
     left.element,
     h('main', {}, stage.element, banner(app), record.badge, example.lesson, toast(app)),
-    controls(app, cards, cues.element),
+    controls(app, cards, cues.element, byHand.element),
     plots(app, () => chosen()?.missed ?? 0),
     menu.element,
     help.element,

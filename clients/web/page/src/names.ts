@@ -3,7 +3,7 @@
 const LONGEST = 32;
 const ALLOWED = /^[A-Za-z0-9_-]{1,32}$/;
 /** Words of stylectl and OSC with another meaning (daemon/styles/style_list.cpp). */
-const RESERVED = ['all', 'bypass', 'clear', 'cue', 'each', 'error', 'learn', 'like', 'none', 'panic', 'pin', 'preset', 'reset', 'unpin', 'vary'];
+const RESERVED = ['all', 'bypass', 'clear', 'cue', 'design', 'each', 'error', 'learn', 'like', 'none', 'panic', 'pin', 'preset', 'reset', 'unpin', 'vary'];
 
 /** Names in use: made styles may be replaced, others may not. */
 export interface NamesInUse {
