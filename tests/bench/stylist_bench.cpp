@@ -10,6 +10,7 @@
 
 #include "model/net/load.h"
 #include "model/net/several.h"
+#include "model/net/shipped_weights.h"
 #include "model/net/weights_file.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
@@ -24,8 +25,8 @@ namespace {
 constexpr double kRate_hz = 120;
 
 // The networks: Style-ERD in the paper's shape and as shipped, the causal graph network as shipped,
-// and the last two as one, as in the daemon.
-enum Network { kPaper, kWide, kGraph, kBoth };
+// the last two as one; the shipped file of styles that are measured; and the three as in the daemon.
+enum Network { kPaper, kWide, kGraph, kBoth, kMeasured, kAll };
 std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
   const auto graph = [] {
     return net::Parse(stgcn_causal::RandomWeights(7, 32, 1).Bytes(), "graph").value();
@@ -39,6 +40,11 @@ std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
   if (network == kPaper) return erd::RandomStylizer(16, 1, erd::kPaper);
   if (network == kWide) return wide();
   if (network == kGraph) return graph();
+  const auto measured = [] { return net::Load(net::FindWeights("open").value()).value(); };
+  if (network == kMeasured) return measured();
+  if (network == kAll) {
+    return net::Combine({{"v2", wide()}, {"graph", graph()}, {"open", measured()}}).value();
+  }
   return net::Combine({{"v2", wide()}, {"graph", graph()}}).value();
 }
 
@@ -103,6 +109,10 @@ BENCHMARK(WholeStylist)
     ->Args({1, 1, kGraph, 0})
     ->Args({1, 1, kBoth, 0})
     ->Args({1, 1, kBoth, 1})
+    ->Args({1, 1, kAll, 1})
+    ->Args({0, 1, kMeasured, 1})
+    ->Args({1, 0, kMeasured, 1})
+    ->Args({1, 1, kMeasured, 1})
     ->Unit(benchmark::kMicrosecond);
 
 // 64 performers in one style each, whose states together are larger than the caches: a frame each,
@@ -148,6 +158,8 @@ BENCHMARK(Crowd)
     ->Args({kWide, 16})
     ->Args({kGraph, 1})
     ->Args({kGraph, 8})
+    ->Args({kMeasured, 1})
+    ->Args({kMeasured, 8})
     ->Unit(benchmark::kMillisecond);
 
 // One performer, with the time between frames slept away, as live: caches are cold.
@@ -177,6 +189,42 @@ BENCHMARK(Paced)
     ->UseManualTime()
     ->Iterations(360)
     ->Unit(benchmark::kMicrosecond);
+
+// One step of the styles that are measured, of a performer who walks; and what the stylist does for
+// them beside it in each frame: `state.range(0)`: 0 the step, 1 the performer's gait and neutral
+// with gaits, 2 without gaits.
+void MeasuredStep(benchmark::State& state) {
+  const auto network = MakeNetwork(kMeasured);
+  neutral::Reference reference = *network->model().reference;
+  if (state.range(0) == 2) reference.gaits.reset();
+  synthetic::Performer performer(
+      {.seed = 1, .script = synthetic::ParseScript("walk:600").value()});
+  std::vector<body::Pose> poses(2400);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    performer.Pose(static_cast<double>(i) / kRate_hz, poses[i]);
+  }
+  neutral::Neutral neutral;
+  for (const body::Pose& pose : poses) neutral.Follow(pose, 1 / kRate_hz, true, reference);
+  const auto stream = network->MakeStream();
+  network->Start(*stream);
+  const net::StyleWeight style{1, 1};
+  net::Prediction out;
+  std::size_t frame = 0;
+  for (auto _ : state) {
+    const body::Pose& pose = poses[frame % poses.size()];
+    if (state.range(0) == 0) {
+      const net::Performer known{&pose, &neutral, &reference, 0.08F, 0};
+      const net::StepJob job{&pose, 0, {&style, 1}, stream.get(), &out, {}, &known};
+      network->Step({&job, 1});
+      benchmark::DoNotOptimize(out);
+    } else {
+      neutral.Follow(pose, 1 / kRate_hz, true, reference);
+      benchmark::DoNotOptimize(neutral);
+    }
+    ++frame;
+  }
+}
+BENCHMARK(MeasuredStep)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
 // The unit: one step of the network, one style, in plain Eigen.
 void PlainStep(benchmark::State& state) {
