@@ -109,7 +109,8 @@ Status WriteLibrary(const Arguments& arguments, const net::Model& model,
         {"seconds", measured.seconds},
         {"code", codes[s]}};
     const std::filesystem::path path = std::filesystem::path(arguments.library) / (name + ".json");
-    if (Status status = WriteFileAtomically(path.string(), file.dump() + "\n"); !status.ok()) return status;
+    if (Status status = WriteFileAtomically(path.string(), file.dump() + "\n"); !status.ok())
+      return status;
   }
   std::printf("%zu styles in %s\n", codes.size(), arguments.library.c_str());
   return Status::Ok();
@@ -181,10 +182,10 @@ int main(int argc, char** argv) {
   app.add_flag("--designs", arguments.designs, "Add the styles that are designed by hand");
   app.add_flag("--clips", arguments.clips, "Print what each clip shows");
   CLI::Option* const out = app.add_option("--out", arguments.out, "The weights file");
-  CLI::Option* const library =
-      app.add_option("--library", arguments.library,
-                     "Instead of a weights file: a folder for a file per style, as [style] library of "
-                     "the daemon");
+  CLI::Option* const library = app.add_option(
+      "--library", arguments.library,
+      "Instead of a weights file: a folder for a file per style, as [style] library of "
+      "the daemon");
   out->excludes(library);
   app.add_option("--prefix", arguments.prefix, "Before each style's name in the library")
       ->needs(library);
