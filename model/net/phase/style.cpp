@@ -168,6 +168,9 @@ class Reader {
   const float* next_;
 };
 
+// The largest difference of a slider from its usual value, in any unit.
+constexpr float kMostSlider = 360;
+
 // The first numbers of a code.
 enum Head : std::size_t { kKind, kHasWalk, kHasRun, kHasStanding, kSeconds, kSpread, kUnused = 8 };
 
@@ -301,7 +304,19 @@ bool IsCode(const net::StyleCode& code) {
   for (const std::size_t flag : {kKind, kHasWalk, kHasRun, kHasStanding}) {
     if (code[flag] != 0 && code[flag] != 1) return false;
   }
-  return std::all_of(code.begin(), code.end(), [](float number) { return std::isfinite(number); });
+  // Rotation vectors are at most some turns, and all else seconds, metres and degrees. Larger
+  // numbers would overflow in a step.
+  constexpr float kMost = 1e6F, kMost_rad = 4 * gait::tuning::kTurn_rad;
+  constexpr std::size_t kGait = 8 * 3 * kJointCount + 5, kPostures = kUnused + 2 * kGait;
+  const auto within = [&code](std::size_t from, std::size_t count, float most) {
+    return std::all_of(code.begin() + static_cast<std::ptrdiff_t>(from),
+                       code.begin() + static_cast<std::ptrdiff_t>(from + count),
+                       [most](float number) { return std::abs(number) <= most; });  // no NaN
+  };
+  return within(0, kCodeSize, kMost) && within(kUnused, kGait - 5, kMost_rad) &&
+         within(kUnused + kGait, kGait - 5, kMost_rad) &&
+         within(kPostures, 2 * 3 * kJointCount, kMost_rad) &&
+         within(kCodeSize - kSliderNumbers, kSliderNumbers, kMostSlider);
 }
 
 }  // namespace styled::phase

@@ -58,7 +58,7 @@ inline constexpr std::size_t kCodeSize = 8 + 2 * (8 * 63 + 5) + 2 * 63 + kSlider
 net::StyleCode ToCode(const Style& style);
 // Of a code that IsCode. Rotations are normalized.
 Style FromCode(const net::StyleCode& code);
-// Whether the size and the first numbers are those of a code, and all numbers finite.
+// Whether the size, the first numbers and the ranges of all others are those of a code.
 bool IsCode(const net::StyleCode& code);
 
 }  // namespace styled::phase

@@ -51,6 +51,13 @@ TEST(PhaseStyle, OtherNumbersAreNoCode) {
   net::StyleCode flag = code;
   flag[1] = 0.5F;
   EXPECT_FALSE(IsCode(flag));
+  // Finite numbers that would overflow in a step: of a gait, a posture, a slider, a speed.
+  for (const std::size_t at :
+       {std::size_t{80}, std::size_t{600}, std::size_t{1100}, kCodeSize - 20, std::size_t{513}}) {
+    net::StyleCode huge = code;
+    huge[at] = 1e30F;
+    EXPECT_FALSE(IsCode(huge)) << at;
+  }
   code[100] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(IsCode(code));
 }
