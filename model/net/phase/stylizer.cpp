@@ -54,10 +54,10 @@ float Away_rad(const Limb& limb, const Rotations& rotations, const Own& own) noe
   float away_rad = 0;
   for (const int joint : {limb.upper, limb.lower}) {
     const auto j = static_cast<std::size_t>(joint);
-    const Quat usual = own.walk_mean[j].slerp(own.running, own.run_mean[j]);
+    const Quat usual = own.Mean(joint);
     const Quat turn = usual.conjugate() * rotations[j];
     const float angle_rad = 2 * std::acos(std::min(1.0F, std::abs(turn.w())));
-    away_rad = std::max(away_rad, angle_rad - tuning::kSpreads * own.spread_rad[j]);
+    away_rad = std::max(away_rad, angle_rad - tuning::kSpreads * own.Spread_rad(joint));
   }
   return away_rad;
 }
@@ -75,7 +75,7 @@ void Gate(const Rotations& rotations, const Own& own, float dt_s, PhaseStream& s
         DecayShare(dt_s, target < share ? tuning::kFall_s : tuning::kRise_s) * (target - share);
     smooth += DecayShare(dt_s, tuning::kSmooth_s) * (share - smooth);
     const float shown = limb.arm ? tuning::kLeastArm + (1 - tuning::kLeastArm) * smooth
-                                 : std::max(smooth, own.confidence);
+                                 : std::max(smooth, own.confidence());
     for (int joint = limb.first; joint <= limb.last; ++joint) {
       turns.segment<3>(3 * joint) *= shown;
     }
@@ -172,8 +172,33 @@ class PhaseStylizer final : public net::Stylizer {
   }
 
  private:
+  // Whether nothing is requested that could turn a joint.
+  bool IsIdle(const net::StepJob& job) const noexcept {
+    const auto count = static_cast<int>(tables_.size());
+    return !(job.input_style > 0 && job.input_style < count) &&
+           std::none_of(job.styles.begin(), job.styles.end(), [count](const net::StyleWeight& one) {
+             return one.style > 0 && one.style < count && one.weight > 0;
+           });
+  }
+
+  // The input, as both poses of the prediction.
+  static void PassThrough(const net::StepJob& job) noexcept {
+    net::Prediction& out = *job.out;
+    out.heading_rad = 0;
+    out.reconstruction.rotations = job.pose->rotations;
+    out.reconstruction.velocities_m_s.fill(0);
+    out.reconstruction.hips_height_m = job.pose->hips_position_m.y();
+    out.styled = out.reconstruction;
+  }
+
   // styled = input exp(sum of weight turn(style) - turn(input style)).
   void StepOne(const net::StepJob& job) const noexcept {
+    auto& stream = static_cast<PhaseStream&>(*job.stream);
+    if (IsIdle(job)) {
+      stream.started = false;  // the next style begins anew
+      stream.dynamics.Reset();
+      return PassThrough(job);
+    }
     const Own own(job.performer, *model_.reference);
     Vectors turns = Vectors::Zero();
     DynamicValues dynamics;
@@ -194,18 +219,13 @@ class PhaseStylizer final : public net::Stylizer {
     }
     const body::Pose& input = *job.pose;
     const body::Pose& bound = job.performer == nullptr ? input : *job.performer->own;
-    auto& stream = static_cast<PhaseStream&>(*job.stream);
     const float dt_s = 1 / model_.rate_hz;
     Gate(bound.rotations, own, dt_s, stream, turns);
     if (job.performer != nullptr) {
       stream.dynamics.Follow(bound.rotations, dynamics, job.performer->time_s, dt_s, turns);
     }
+    PassThrough(job);
     net::Prediction& out = *job.out;
-    out.heading_rad = 0;
-    out.reconstruction.rotations = input.rotations;
-    out.reconstruction.velocities_m_s.fill(0);
-    out.reconstruction.hips_height_m = input.hips_position_m.y();
-    out.styled = out.reconstruction;
     for (int joint = 0; joint < kJointCount; ++joint) {
       Quat& rotation = out.styled.rotations[static_cast<std::size_t>(joint)];
       rotation = (rotation * body::Exp(gait::VectorOf(turns, joint))).normalized();

@@ -16,17 +16,14 @@ using gait::Curve;
 using gait::Rotations;
 using gait::Vectors;
 
-Rotations MeanOf(const Curve& curve) noexcept {
-  gait::Terms constant = gait::Terms::Zero();
-  constant[0] = 1;
-  return curve.At(constant);
-}
-
-Curve CurveOf(const gait::Curve& reference, const neutral::OwnGait& own) noexcept {
-  Curve curve;
-  curve.mean = reference.mean;
-  curve.series = own.series();
-  return curve;
+// mean_j exp(vectors_j)
+Rotations About(const Rotations& mean, const Vectors& vectors) noexcept {
+  Rotations at;
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    at[j] = mean[j] * body::Exp(gait::VectorOf(vectors, joint));
+  }
+  return at;
 }
 
 }  // namespace
@@ -43,7 +40,8 @@ Table::Table(const Style& style) : difference(style.difference) {
   if (style.standing) {
     rest = *style.standing;
   } else if (style.has_gait()) {
-    rest = MeanOf(has_walk ? walk : run);
+    const Curve& gait = has_walk ? walk : run;
+    rest = About(gait.mean, gait.series.col(0));
     rest_of_gait = true;
   } else {
     rest = style.posture;
@@ -53,36 +51,64 @@ Table::Table(const Style& style) : difference(style.difference) {
   }
 }
 
-Own::Own(const net::Performer* performer, const neutral::Reference& reference) noexcept {
+Own::Own(const net::Performer* performer, const neutral::Reference& reference) noexcept
+    : reference_(performer == nullptr ? reference : *performer->reference) {
   if (performer == nullptr) {
-    terms = gait::TermsAt(0);
-    walk_mean = reference.walking.rotations;
-    run_mean = reference.running.rotations;
-    standing = reference.standing.rotations;
-    walk = walk_mean;
-    run = run_mean;
-    spread_rad.fill(0);
+    terms_ = gait::TermsAt(0);
     return;
   }
-  const neutral::Neutral& neutral = *performer->neutral;
-  const neutral::Reference& known = *performer->reference;
-  terms = gait::TermsAt(neutral.phase().After(performer->delay_s));
-  confidence = neutral.phase().confidence;
-  running = neutral.running();
-  const Curve own_walk = CurveOf(known.gaits->walking, neutral.walk());
-  const Curve own_run = CurveOf(known.gaits->running, neutral.run());
-  walk = own_walk.At(terms);
-  run = own_run.At(terms);
-  walk_mean = MeanOf(own_walk);
-  run_mean = MeanOf(own_run);
-  for (int joint = 0; joint < kJointCount; ++joint) {
-    const auto j = static_cast<std::size_t>(joint);
-    standing[j] = neutral.turns().rotations[j].conjugate() * known.standing.rotations[j];
-    const auto spread = [joint](const Curve& curve) {
-      return std::sqrt(curve.series.block<3, gait::kTerms - 1>(3 * joint, 1).squaredNorm() / 2);
-    };
-    spread_rad[j] = spread(own_walk) + running * (spread(own_run) - spread(own_walk));
+  neutral_ = performer->neutral;
+  terms_ = gait::TermsAt(neutral_->phase().After(performer->delay_s));
+  confidence_ = neutral_->phase().confidence;
+  running_ = neutral_->running();
+}
+
+Rotations Own::Walk() const noexcept {
+  if (neutral_ == nullptr) return WalkMean();
+  return About(reference_.gaits->walking.mean, neutral_->walk().series() * terms_);
+}
+
+Rotations Own::Run() const noexcept {
+  if (neutral_ == nullptr) return RunMean();
+  return About(reference_.gaits->running.mean, neutral_->run().series() * terms_);
+}
+
+Rotations Own::WalkMean() const noexcept {
+  if (neutral_ == nullptr) return reference_.walking.rotations;
+  return About(reference_.gaits->walking.mean, neutral_->walk().series().col(0));
+}
+
+Rotations Own::RunMean() const noexcept {
+  if (neutral_ == nullptr) return reference_.running.rotations;
+  return About(reference_.gaits->running.mean, neutral_->run().series().col(0));
+}
+
+Rotations Own::Standing() const noexcept {
+  Rotations standing = reference_.standing.rotations;
+  for (std::size_t j = 0; neutral_ != nullptr && j < standing.size(); ++j) {
+    standing[j] = neutral_->turns().rotations[j].conjugate() * standing[j];
   }
+  return standing;
+}
+
+Quat Own::Mean(int joint) const noexcept {
+  const auto j = static_cast<std::size_t>(joint);
+  if (neutral_ == nullptr) return reference_.walking.rotations[j];
+  const auto mean = [&](const gait::Curve& usual, const neutral::OwnGait& own) -> Quat {
+    return usual.mean[j] * body::Exp(own.series().col(0).segment<3>(3 * joint));
+  };
+  const Quat walk = mean(reference_.gaits->walking, neutral_->walk());
+  if (running_ <= 0) return walk;
+  return walk.slerp(running_, mean(reference_.gaits->running, neutral_->run()));
+}
+
+float Own::Spread_rad(int joint) const noexcept {
+  if (neutral_ == nullptr) return 0;
+  const auto spread = [joint](const neutral::OwnGait& own) {
+    return std::sqrt(own.series().block<3, gait::kTerms - 1>(3 * joint, 1).squaredNorm() / 2);
+  };
+  const float walk_rad = spread(neutral_->walk());
+  return walk_rad + running_ * (spread(neutral_->run()) - walk_rad);
 }
 
 namespace {
@@ -93,19 +119,29 @@ Vectors Between(const Rotations& from, const Rotations& to) noexcept {
 }
 
 Vectors InGait(const Table& style, const Own& own) noexcept {
-  const auto of = [&](const Curve& curve, const Rotations& neutral) -> Vectors {
-    return style.difference ? curve.VectorsAt(own.terms) : Between(neutral, curve.At(own.terms));
+  const auto walk = [&]() -> Vectors {
+    return style.difference ? style.walk.VectorsAt(own.terms())
+                            : Between(own.Walk(), style.walk.At(own.terms()));
   };
-  if (!style.has_run || (style.has_walk && own.running <= 0)) return of(style.walk, own.walk);
-  if (!style.has_walk || own.running >= 1) return of(style.run, own.run);
-  const Vectors walk = of(style.walk, own.walk);
-  return walk + own.running * (of(style.run, own.run) - walk);
+  const auto run = [&]() -> Vectors {
+    return style.difference ? style.run.VectorsAt(own.terms())
+                            : Between(own.Run(), style.run.At(own.terms()));
+  };
+  // Of a style with one gait, the difference of that gait serves the other, too.
+  if (!style.has_run || (style.has_walk && own.running() <= 0)) return walk();
+  if (!style.has_walk || own.running() >= 1) return run();
+  const Vectors walking = walk();
+  return walking + own.running() * (run() - walking);
+}
+
+Rotations Replaced(const Table& style, const Own& own) noexcept {
+  if (style.difference) return Curve().mean;
+  if (!style.rest_of_gait) return own.Standing();
+  return style.has_walk ? own.WalkMean() : own.RunMean();
 }
 
 Vectors AtRest(const Table& style, const Own& own) noexcept {
-  const Rotations& gait = style.has_walk ? own.walk_mean : own.run_mean;
-  Vectors turn = style.difference ? Between(Curve().mean, style.rest)
-                                  : Between(style.rest_of_gait ? gait : own.standing, style.rest);
+  Vectors turn = Between(Replaced(style, own), style.rest);
   for (int joint = 0; joint < kJointCount; ++joint) {
     turn.segment<3>(3 * joint) *= style.rest_share[static_cast<std::size_t>(joint)];
   }
@@ -115,7 +151,7 @@ Vectors AtRest(const Table& style, const Own& own) noexcept {
 }  // namespace
 
 Vectors TurnOf(const Table& style, const Own& own) noexcept {
-  const float confidence = style.has_walk || style.has_run ? own.confidence : 0;
+  const float confidence = style.has_walk || style.has_run ? own.confidence() : 0;
   if (confidence <= 0) return AtRest(style, own);
   if (confidence >= 1) return InGait(style, own);
   const Vectors rest = AtRest(style, own);

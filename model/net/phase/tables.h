@@ -28,16 +28,31 @@ struct Table {
 };
 
 // The performer's own neutral in one step, at the phase at which the result is shown.
-struct Own {
+class Own {
+ public:
   // Without a performer: the neutral of `reference`, in no gait.
   STYLED_REALTIME Own(const net::Performer* performer,
                       const neutral::Reference& reference) noexcept;
 
-  gait::Terms terms;
-  float confidence = 0, running = 0;
-  gait::Rotations walk, run;                        // at the phase
-  gait::Rotations walk_mean, run_mean, standing;    // means
-  std::array<float, body::kJointCount> spread_rad;  // rms about the mean of the gait
+  const gait::Terms& terms() const { return terms_; }
+  float confidence() const { return confidence_; }
+  float running() const { return running_; }
+  // The gaits at the phase, their means, and standing. Each is computed by the call: few styles
+  // need all of them.
+  STYLED_REALTIME gait::Rotations Walk() const noexcept;
+  STYLED_REALTIME gait::Rotations Run() const noexcept;
+  STYLED_REALTIME gait::Rotations WalkMean() const noexcept;
+  STYLED_REALTIME gait::Rotations RunMean() const noexcept;
+  STYLED_REALTIME gait::Rotations Standing() const noexcept;
+  // The mean of the gait, walking or running, and the rms angle about it, rad.
+  STYLED_REALTIME body::Quat Mean(int joint) const noexcept;
+  STYLED_REALTIME float Spread_rad(int joint) const noexcept;
+
+ private:
+  gait::Terms terms_;
+  float confidence_ = 0, running_ = 0;
+  const neutral::Reference& reference_;  // the performer's, if there is one
+  const neutral::Neutral* neutral_ = nullptr;
 };
 
 // The rotation vectors, after the performer's own rotations, by which the style turns them.
