@@ -46,7 +46,7 @@ toml::table GaitRow(const gait::Series& series, float seconds) {
   return toml::table{{"seconds", static_cast<double>(seconds)}, {"series", std::move(numbers)}};
 }
 
-// Zeros, and 0 seconds, where there is none.
+// Leaves the values as they are without such a row.
 void ReadGait(const toml::table& row, const char* key, gait::Series& series, float& seconds) {
   const toml::table* const gait = row[key].as_table();
   const toml::array* const numbers = gait == nullptr ? nullptr : (*gait)["series"].as_array();

@@ -174,7 +174,7 @@ Status AddTo(const RuntimeConfig& running, MadeStyle& style) {
   return Status::Ok();
 }
 
-// The code of the style that a design begins with; empty: a performer who is neutral.
+// The code of the style that a design begins with; empty: a neutral performer.
 Status FindDesigned(const v1::Like& like, const RuntimeConfig& running, net::StyleCode& code) {
   const net::Styles& styles = running.network->model().styles;
   const std::string& from = like.design().from();

@@ -74,15 +74,15 @@ void Dynamics::FollowMovement(const gait::Rotations& own, const DynamicValues& v
     mean_ = own;
     value_.setZero();
     rate_.setZero();
-    held_.setZero();
-    held_until_s_ = 0;
+    frozen_.setZero();
+    frozen_until_s_ = 0;
   }
   const Vectors movement = gait::VectorsAbout(mean_, own);
   const float share = DecayShare(dt_s, tuning::kMovementMean_s);
   // A clock that jumped, back or far ahead, ends a hold.
-  if (time_s >= held_until_s_ || held_until_s_ - time_s > static_cast<double>(values.hold_s)) {
-    held_ = movement;
-    held_until_s_ = time_s + static_cast<double>(values.hold_s);
+  if (time_s >= frozen_until_s_ || frozen_until_s_ - time_s > static_cast<double>(values.hold_s)) {
+    frozen_ = movement;
+    frozen_until_s_ = time_s + static_cast<double>(values.hold_s);
   }
   const float snap = DecayShare(dt_s, tuning::kSnap_s);
   // A spring of damping 0.5 overshoots by 16 %; its delay is 1 / frequency.
@@ -93,7 +93,7 @@ void Dynamics::FollowMovement(const gait::Rotations& own, const DynamicValues& v
     rate_ += dt * frequency * (frequency * (movement - value_) - rate_);
     value_ += dt * rate_;
   }
-  if (values.hold_s > 0) value_ += snap * (held_ - value_);
+  if (values.hold_s > 0) value_ += snap * (frozen_ - value_);
   const float gain = std::max(0.0F, 1 + values.energy);
   for (int joint = body::kSpine; joint <= body::kRightHand; ++joint) {
     const auto j = static_cast<std::size_t>(joint);
@@ -108,13 +108,13 @@ void Dynamics::FollowMovement(const gait::Rotations& own, const DynamicValues& v
 void Dynamics::Carry(Checkpoint& c) noexcept {
   c(active_);
   if (!active_) return;
-  c(mean_, value_, rate_, held_, held_until_s_);
+  c(mean_, value_, rate_, frozen_, frozen_until_s_);
   if (!c.reads() || !c.ok()) return;
   const bool turns = std::all_of(mean_.begin(), mean_.end(), [](const Quat& rotation) {
     return std::abs(rotation.norm() - 1) <= 1e-3F;
   });
-  if (!turns || !value_.allFinite() || !rate_.allFinite() || !held_.allFinite() ||
-      !std::isfinite(held_until_s_)) {
+  if (!turns || !value_.allFinite() || !rate_.allFinite() || !frozen_.allFinite() ||
+      !std::isfinite(frozen_until_s_)) {
     c.Refuse();
   }
 }

@@ -35,8 +35,8 @@ class Dynamics {
   bool active_ = false;
   gait::Rotations mean_;
   gait::Vectors value_ = gait::Vectors::Zero(), rate_ = gait::Vectors::Zero();
-  gait::Vectors held_ = gait::Vectors::Zero();
-  double held_until_s_ = 0;
+  gait::Vectors frozen_ = gait::Vectors::Zero();
+  double frozen_until_s_ = 0;
 };
 
 }  // namespace styled::phase

@@ -92,7 +92,7 @@ Style Space::SourceOf(const net::StyleSource& source) const {
 
 namespace {
 
-// A performer who is neutral, as a difference.
+// A neutral performer, as a difference.
 Style NoDifference() {
   Style none;
   none.difference = true;
@@ -131,8 +131,8 @@ net::StyleCode Space::MakeCode(const net::StyleRequest& request) const {
     sources.push_back({SourceOf(source), source.weight});
   }
   if (sources.empty()) return ToCode(neutral_);
-  // A mix of differences and of how people move: as how people move who are neutral otherwise is
-  // not known, the first one's kind counts.
+  // A mix of differences and of how people move: the neutral of the differences is unknown, so
+  // the first one's kind counts.
   const bool difference = sources.front().style.difference;
   std::erase_if(sources, [&](const Weighted& one) { return one.style.difference != difference; });
   float sum = 0;
