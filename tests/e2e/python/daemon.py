@@ -5,12 +5,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import threading
 import time
-
-import zmq
-
-from styled.v1 import control_pb2
 
 BIN = os.environ['STYLED_BIN']
 PATIENCE_S = 60  # for a busy machine
@@ -76,39 +71,3 @@ class Daemon:
                 child.kill()
             child.wait()
         shutil.rmtree(self.folder)
-
-
-class FakeDaemon:
-    """A control socket that keeps every request, and answers it with one of these fields of a Reply, by
-    the request's command; with none of them: CODE_OK alone."""
-
-    def __init__(self, **fields):
-        self.requests = []
-        self._fields = fields
-        self._context = zmq.Context()
-        self._router = self._context.socket(zmq.ROUTER)
-        self._router.linger = 0
-        self.control = f'tcp://127.0.0.1:{self._router.bind_to_random_port("tcp://127.0.0.1")}'
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-
-    def __enter__(self):
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_):
-        self._ended.set()
-        self._thread.join()
-        self._context.destroy()
-
-    def _run(self):
-        while not self._ended.is_set():
-            if not self._router.poll(20):
-                continue
-            *envelope, payload = self._router.recv_multipart()
-            request = control_pb2.Request.FromString(payload)
-            self.requests.append(request)
-            command = request.WhichOneof('command')
-            fields = {command: self._fields[command]} if command in self._fields else {}
-            reply = control_pb2.Reply(id=request.id, **fields)
-            self._router.send_multipart([*envelope, reply.SerializeToString()])

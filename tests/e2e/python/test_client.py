@@ -11,7 +11,8 @@ import zmq
 
 import styled
 import styled.aio
-from daemon import PATIENCE_S, Daemon, FakeDaemon, wait_for
+from daemon import PATIENCE_S, Daemon, wait_for
+from fake_daemon import FakeDaemon
 from styled.v1 import control_pb2
 
 STREAMS = (styled.RIG, styled.CANONICAL, styled.SOURCE)
@@ -312,8 +313,14 @@ class WithoutADaemonTest(unittest.TestCase):
         lists = control_pb2.ListReply(
             sliders=[dict(name='stoop', unit='degrees', least=-30, most=60, what='Rounds the back.')],
             designs=[dict(name='sneaky', sliders={'stoop': 28, 'energy': 0.5})])
-        with FakeDaemon(like=found, list=lists) as daemon:
-            with styled.Control(daemon.control, timeout=PATIENCE_S) as control:
+
+        def answer(request):
+            fields = {'like': found, 'list': lists}
+            command = request.WhichOneof('command')
+            return control_pb2.Reply(**{command: fields[command]} if command in fields else {})
+
+        with FakeDaemon(answer) as daemon:
+            with styled.Control(daemon.endpoint, timeout=PATIENCE_S) as control:
                 self.assertEqual(control.list().designs[0].sliders['stoop'], 28)
                 reply = control.design('rig.a', {'stoop': 28, 'energy': 0.5})
                 self.assertEqual((list(reply.found), list(reply.weak)), (['walk: 7 strides'], ['walk: only 2 s']))
@@ -332,10 +339,10 @@ class WithoutADaemonTest(unittest.TestCase):
                     control.design('anna')
 
             async def go():
-                async with styled.aio.Control(daemon.control, timeout=PATIENCE_S) as control:
+                async with styled.aio.Control(daemon.endpoint, timeout=PATIENCE_S) as control:
                     return (await control.design('rig.a', {'stoop': 3})).name
             self.assertEqual(asyncio.run(go()), 'by-hand-rig-a')
-            environment = dict(os.environ, STYLED_CONTROL=daemon.control)
+            environment = dict(os.environ, STYLED_CONTROL=daemon.endpoint)
             code, out, err = run('design', 'rig.a', 'stoop=28', '--name', 'mine', '--from', 'pirate',
                                  'energy=.5', '--preset', 'sneaky', env=environment)
             self.assertEqual((code, out, err), (0, 'style by-hand-rig-a, by hand\nrig.a: by-hand-rig-a\n', ''))
