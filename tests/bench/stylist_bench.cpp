@@ -25,7 +25,8 @@ namespace {
 constexpr double kRate_hz = 120;
 
 // The networks: Style-ERD in the paper's shape and as shipped, the causal graph network as shipped,
-// the last two as one; the shipped file of styles that are measured; and the three as in the daemon.
+// the last two as one; the shipped file of styles that are measured; and the three as in the
+// daemon.
 enum Network { kPaper, kWide, kGraph, kBoth, kMeasured, kAll };
 std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
   const auto graph = [] {
@@ -197,8 +198,7 @@ void MeasuredStep(benchmark::State& state) {
   const auto network = MakeNetwork(kMeasured);
   neutral::Reference reference = *network->model().reference;
   if (state.range(0) == 2) reference.gaits.reset();
-  synthetic::Performer performer(
-      {.seed = 1, .script = synthetic::ParseScript("walk:600").value()});
+  synthetic::Performer performer({.seed = 1, .script = synthetic::ParseScript("walk:600").value()});
   std::vector<body::Pose> poses(2400);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     performer.Pose(static_cast<double>(i) / kRate_hz, poses[i]);

@@ -270,8 +270,8 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
   if (measured) blend.strength = std::exchange(request.strength, 1.0F);
   if (!request.sources.empty() || arguments.design.empty()) blend.code = space.MakeCode(request);
   if (!examples.neutral.empty()) {
-    blend.code = space.Difference(
-        blend.code, space.MakeCode({.sources = {{-1, {}, examples.neutral, 1}}}));
+    blend.code =
+        space.Difference(blend.code, space.MakeCode({.sources = {{-1, {}, examples.neutral, 1}}}));
   }
   if (arguments.design.empty()) return blend;
   const auto sliders = ParseDesign(arguments.design, space);

@@ -149,9 +149,9 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
 // Options about styling or weights, which have no effect with --bind-only. Not CLI11's excludes(),
 // which would list as many options behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
-    "--style",   "--strength", "--mix",       "--like",        "--like-neutral", "--design", "--vary",    "--amount",
-    "--window",  "--absolute", "--parts",     "--input-style", "--root",    "--cadence",
-    "--neutral", "--posture",  "--no-bypass", "--feet",        "--weights", "--avatar"};
+    "--style",   "--strength", "--mix",       "--like",  "--like-neutral", "--design", "--vary",
+    "--amount",  "--window",   "--absolute",  "--parts", "--input-style",  "--root",   "--cadence",
+    "--neutral", "--posture",  "--no-bypass", "--feet",  "--weights",      "--avatar"};
 
 }  // namespace
 

@@ -43,9 +43,7 @@ class Head final : public Stylizer {
     with->turns_[at] = code[0];
     return with;
   }
-  std::shared_ptr<const Stylizer> Retired(int) const override {
-    return std::make_shared<Head>();
-  }
+  std::shared_ptr<const Stylizer> Retired(int) const override { return std::make_shared<Head>(); }
   std::unique_ptr<Stream> MakeStream() const override { return std::make_unique<HeadStream>(); }
   void Start(Stream&) const noexcept override {}
   void Step(std::span<const StepJob> jobs) const noexcept override {
