@@ -16,6 +16,7 @@
 #include "model/train/judge/codes.h"
 #include "model/train/judge/details.h"
 #include "model/train/judge/evidence.h"
+#include "model/train/judge/examples.h"
 #include "model/train/judge/live_restyler.h"
 #include "model/train/judge/mixed.h"
 #include "model/train/judge/pictures.h"
@@ -40,7 +41,11 @@ namespace {
 
 // Checks first what would otherwise fail only after minutes.
 Status CheckFiles(const EvalArguments& arguments) {
-  if (!arguments.weights.empty() && !std::filesystem::exists(arguments.weights)) {
+  if (!arguments.examples.empty() && !std::filesystem::exists(arguments.examples)) {
+    return Status::Error("--examples " + arguments.examples + ": no such file");
+  }
+  const bool one_file = arguments.examples.empty() && !arguments.weights.empty();
+  if (one_file && !std::filesystem::exists(arguments.weights)) {
     return Status::Error("--weights " + arguments.weights + ": no such file");
   }
   for (const auto& [flag, file] :
@@ -84,10 +89,10 @@ struct Outputs {
 };
 
 std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& data,
-                            const stylist::Options& options) {
+                            const stylist::Options& options, bool by_examples) {
   std::vector<Styled> styled;
   if (styler.frames) {
-    if (styler.frames->network->space() != nullptr) {
+    if (!by_examples && styler.frames->network->space() != nullptr) {
       const judge::LiveRestyler restyler(*styler.frames, options);
       const judge::LiveRestyler any(*styler.frames, options, true);
       const auto by = [&](judge::CodeFrom from) { return judge::TargetsOf(data, from); };
@@ -187,7 +192,12 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   if (!arguments.write_offset.empty()) return judge::WriteBaseline(data, arguments.write_offset);
   const bool with_weights = !arguments.weights.empty();
   judge::AnyStyler styler;
-  if (with_weights) {
+  if (!arguments.examples.empty()) {
+    auto read =
+        judge::LoadByExamples(arguments.weights, arguments.examples, arguments.data, data.manifest);
+    if (!read.ok()) return read.status();
+    styler.frames = std::move(read.value());
+  } else if (with_weights) {
     auto read = judge::LoadAnyStyler(
         arguments.weights, data.manifest, arguments.stylist,
         {arguments.clip_rate_hz, arguments.absolute},
@@ -222,7 +232,8 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
                   {"glossary", judge::Glossary()}};
 
   Outputs outputs;
-  if (with_weights) outputs.styled = StyleBy(styler, data, arguments.stylist);
+  if (with_weights)
+    outputs.styled = StyleBy(styler, data, arguments.stylist, !arguments.examples.empty());
   outputs.offset = judge::ApplyBaseline(data);
   outputs.offset_per_content = judge::ApplyBaseline(data, judge::OffsetPer::kContent);
   const judge::Comparison comparison(data.manifest, judges.value(), parts.value(), data.judge);
@@ -256,8 +267,14 @@ int main(int argc, char** argv) {
   styled::train::UseFastKernels(argv);
   styled::EvalArguments arguments;
   CLI::App app("Judges weights on recorded clips, as they run live.");
-  app.add_option("--weights", arguments.weights,
-                 "Weights to judge; without them only judges and baseline are reported");
+  CLI::Option* const weights =
+      app.add_option("--weights", arguments.weights,
+                     "Weights to judge; without them only judges and baseline are reported");
+  app.add_option("--examples", arguments.examples,
+                 "Judge styles that are made from the clips of this manifest, of the same names, "
+                 "instead of the weights' own; --weights may then be several, joined by '+', as "
+                 "the daemon's")
+      ->needs(weights);
   app.add_option("--manifest", arguments.manifest, "Data set (TOML)")->required();
   app.add_option("--data", arguments.data, "Folder that the manifest's paths start from")
       ->required();

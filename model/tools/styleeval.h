@@ -15,7 +15,7 @@
 namespace styled {
 
 struct EvalArguments {
-  std::string weights, manifest, inputs, data, cache, json, report, write_offset;
+  std::string weights, examples, manifest, inputs, data, cache, json, report, write_offset;
   double long_s = 60;
   bool long_given = false, transition_given = false;  // on the command line
   double clip_rate_hz = judge::kStreamRate_hz;

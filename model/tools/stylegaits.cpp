@@ -15,6 +15,7 @@
 #include "model/tools/stylegaits_load.h"
 #include "model/tools/stylegaits_table.h"
 #include "model/train/blas.h"
+#include "model/train/judge/examples.h"
 #include "model/train/judge/gait_stream.h"
 #include "model/train/judge/provenance.h"
 #include "model/train/judge/unseen.h"
@@ -86,7 +87,7 @@ class Session {
   Status Load() {
     Status status = train::CheckDataFolder(arguments_.data);
     if (!status.ok()) return status;
-    auto network = LoadJoined(arguments_.weights);
+    auto network = judge::LoadJoined(arguments_.weights);
     if (!network.ok()) return network.status();
     styler_ = {
         network.value(), std::make_shared<const rig::Binding>(feet::HumanoidBinding()), {}, 0};

@@ -5,14 +5,10 @@
 #include <cstdio>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "model/base/hash.h"
 #include "model/clip/bind_clip.h"
-#include "model/net/several.h"
-#include "model/net/shipped_weights.h"
 #include "model/train/judge/unseen_live.h"
-#include "model/trial/trial.h"
 
 namespace styled {
 namespace {
@@ -70,26 +66,6 @@ judge::Mean ShareOf(const std::vector<int>& answers, int style) {
 }
 
 }  // namespace
-
-Result<std::shared_ptr<const net::Stylizer>> LoadJoined(const std::string& weights) {
-  std::vector<net::NamedNetwork> networks;
-  std::istringstream names(std::filesystem::exists(weights) ? "" : weights);
-  std::vector<std::string> files;
-  for (std::string name; std::getline(names, name, '+');) files.push_back(name);
-  if (files.empty()) files = {weights};
-  for (const std::string& name : files) {
-    const auto file = net::FindWeights(name);
-    if (!file.ok()) return file.status();
-    auto network = trial::Load(file.value());
-    if (!network.ok()) return network.status();
-    networks.push_back({file.value().stem().string(), std::move(network.value())});
-  }
-  auto joined = net::Combine(std::move(networks));
-  if (!joined.ok()) return Status::Error("--weights " + weights + ": " + joined.status().message());
-  if (joined.value()->space() != nullptr) return joined;
-  return Status::Error("--weights " + weights + ": takes no examples; expected a family of " +
-                       net::SpaceFamilyNames());
-}
 
 Result<WholeClips> LoadWhole(const std::string& manifest, const std::string& data) {
   auto loaded = clip::LoadManifest(manifest, data);

@@ -1,12 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "model/base/status.h"
-#include "model/net/stylizer.h"
 #include "model/train/judge/data.h"
 #include "model/train/judge/gaits.h"
 #include "model/train/judge/nets.h"
@@ -15,9 +13,6 @@
 namespace styled {
 
 // The inputs of stylegaits. Errors name file or option.
-
-// A weights file, or several joined by "+", as the daemon combines them. A network with a space.
-Result<std::shared_ptr<const net::Stylizer>> LoadJoined(const std::string& weights);
 
 // A manifest's clips of all its splits.
 struct WholeClips {

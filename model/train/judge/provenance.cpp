@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "model/base/hash.h"
+#include "model/train/judge/examples.h"
 
 namespace styled::judge {
 namespace {
@@ -160,7 +161,7 @@ Status WriteJson(const nlohmann::json& json, const std::filesystem::path& file) 
 }
 
 nlohmann::json Provenance(const std::string& command, const Data& data,
-                          const JudgeSettings& settings, const std::filesystem::path& weights) {
+                          const JudgeSettings& settings, const std::string& weights) {
   nlohmann::json json = {{"command", command},
                          {"manifest", data.manifest.name},
                          {"judges",
@@ -175,7 +176,14 @@ nlohmann::json Provenance(const std::string& command, const Data& data,
                            {"validation", OfSplit(data.validation)}}},
                          {"inputs", data.inputs.size()}};
   if (!weights.empty()) {
-    json["weights"] = {{"file", weights.filename().string()}, {"hash", HashOfFile(weights)}};
+    std::string names, hashes;
+    if (const auto files = JoinedFiles(weights); files.ok()) {
+      for (const std::filesystem::path& file : files.value()) {
+        names.append(names.empty() ? "" : "+").append(file.filename().string());
+        hashes.append(hashes.empty() ? "" : "+").append(HashOfFile(file));
+      }
+    }
+    json["weights"] = {{"file", names}, {"hash", hashes}};
   }
   return json;
 }

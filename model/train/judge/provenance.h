@@ -17,10 +17,10 @@ std::string CommandLine(int argc, char** argv);
 Status WriteJson(const nlohmann::json& json, const std::filesystem::path& file);
 
 // The sources of a report, so that it can be repeated: the command, the judges' settings, the
-// weights' hash, and per split the number of clips and frames and a hash of all poses (FNV-1a, 64
-// bit, hexadecimal).
+// hash of the weights or of each file that they are joined from, and per split the number of clips
+// and frames and a hash of all poses (FNV-1a, 64 bit, hexadecimal).
 nlohmann::json Provenance(const std::string& command, const Data& data,
-                          const JudgeSettings& settings, const std::filesystem::path& weights);
+                          const JudgeSettings& settings, const std::string& weights);
 void PrintProvenance(const nlohmann::json& provenance);
 
 // The meaning of the figures' names, in the order in which a report explains them: pairs of term
