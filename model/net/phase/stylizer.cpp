@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "model/base/flush_subnormals.h"
 #include "model/base/smooth.h"
 #include "model/gait/tuning.h"
 #include "model/net/phase/space.h"
@@ -15,10 +16,11 @@
 namespace styled::phase {
 namespace {
 
-using body::kJointCount;
-using body::Quat;
-using gait::Rotations;
-using gait::Vectors;
+using gait::FromLanes;
+using gait::Lane;
+using gait::ToLanes;
+using gait::TurnLanes;
+using gait::VectorLanes;
 
 // A limb whose upper or lower part is far from where it is in neutral does something of its own.
 struct Limb {
@@ -49,26 +51,17 @@ float Clamped(float weight) noexcept {
   return weight > 0 ? std::min(weight, net::kMaxStrength) : 0.0F;  // 0 also for NaN
 }
 
-// The angle of a limb beyond what a gait has, rad.
-float Away_rad(const Limb& limb, const Rotations& rotations, const Own& own) noexcept {
-  float away_rad = 0;
-  for (const int joint : {limb.upper, limb.lower}) {
-    const auto j = static_cast<std::size_t>(joint);
-    const Quat usual = own.Mean(joint);
-    const Quat turn = usual.conjugate() * rotations[j];
-    const float angle_rad = 2 * std::acos(std::min(1.0F, std::abs(turn.w())));
-    away_rad = std::max(away_rad, angle_rad - tuning::kSpreads * own.Spread_rad(joint));
-  }
-  return away_rad;
-}
-
-// Advances the limbs' shares by a step, and scales the turns by them.
-void Gate(const Rotations& rotations, const Own& own, float dt_s, PhaseStream& stream,
-          Vectors& turns) noexcept {
+// Advances the limbs' shares by a step, and scales the turns by them. A limb counts by its angle
+// beyond what a gait has.
+void Gate(const TurnLanes& rotations, const Own& own, float dt_s, PhaseStream& stream,
+          VectorLanes& turns) noexcept {
+  const Lane away_rad =
+      AnglesOf(own.Mean().Inverse() * rotations) - tuning::kSpreads * own.Spread_rad();
+  Lane shares = Lane::Ones();
   for (std::size_t i = 0; i < kLimbs.size(); ++i) {
     const Limb& limb = kLimbs[i];
-    const float target =
-        1 - SmoothStep(Away_rad(limb, rotations, own), tuning::kOwnBegin_rad, tuning::kOwnEnd_rad);
+    const float limb_rad = std::max({0.0F, away_rad[limb.upper], away_rad[limb.lower]});
+    const float target = 1 - SmoothStep(limb_rad, tuning::kOwnBegin_rad, tuning::kOwnEnd_rad);
     auto& [share, smooth] = stream.shares[i];
     if (!stream.started) share = smooth = target;
     share +=
@@ -76,10 +69,9 @@ void Gate(const Rotations& rotations, const Own& own, float dt_s, PhaseStream& s
     smooth += DecayShare(dt_s, tuning::kSmooth_s) * (share - smooth);
     const float shown = limb.arm ? tuning::kLeastArm + (1 - tuning::kLeastArm) * smooth
                                  : std::max(smooth, own.confidence());
-    for (int joint = limb.first; joint <= limb.last; ++joint) {
-      turns.segment<3>(3 * joint) *= shown;
-    }
+    shares.segment(limb.first, limb.last + 1 - limb.first) = shown;
   }
+  turns *= shares;
   stream.started = true;
 }
 
@@ -155,6 +147,7 @@ class PhaseStylizer final : public net::Stylizer {
   }
 
   void Step(std::span<const net::StepJob> jobs) const noexcept override {
+    const FlushSubnormals flush;
     for (const net::StepJob& job : jobs) StepOne(job);
   }
 
@@ -200,7 +193,7 @@ class PhaseStylizer final : public net::Stylizer {
       return PassThrough(job);
     }
     const Own own(job.performer, *model_.reference);
-    Vectors turns = Vectors::Zero();
+    VectorLanes turns{Lane::Zero(), Lane::Zero(), Lane::Zero()};
     DynamicValues dynamics;
     std::size_t used = 0;
     const auto count = static_cast<int>(tables_.size());
@@ -215,21 +208,21 @@ class PhaseStylizer final : public net::Stylizer {
       Add(weight, table.dynamics, dynamics);
     }
     if (job.input_style > 0 && job.input_style < count) {
-      turns -= TurnOf(*tables_[static_cast<std::size_t>(job.input_style)], own);
+      turns += -1.0F * TurnOf(*tables_[static_cast<std::size_t>(job.input_style)], own);
     }
     const body::Pose& input = *job.pose;
     const body::Pose& bound = job.performer == nullptr ? input : *job.performer->own;
     const float dt_s = 1 / model_.rate_hz;
-    Gate(bound.rotations, own, dt_s, stream, turns);
-    if (job.performer != nullptr) {
-      stream.dynamics.Follow(bound.rotations, dynamics, job.performer->time_s, dt_s, turns);
+    Gate(ToLanes(bound.rotations), own, dt_s, stream, turns);
+    if (job.performer != nullptr && dynamics.any()) {
+      gait::Vectors vectors = FromLanes(turns);
+      stream.dynamics.Follow(bound.rotations, dynamics, job.performer->time_s, dt_s, vectors);
+      turns = ToLanes(vectors);
+    } else {
+      stream.dynamics.Reset();
     }
     PassThrough(job);
-    net::Prediction& out = *job.out;
-    for (int joint = 0; joint < kJointCount; ++joint) {
-      Quat& rotation = out.styled.rotations[static_cast<std::size_t>(joint)];
-      rotation = (rotation * body::Exp(gait::VectorOf(turns, joint))).normalized();
-    }
+    job.out->styled.rotations = FromLanes(ToLanes(input.rotations) * ExpOf(turns));
   }
 
   std::shared_ptr<const Weights> weights_;

@@ -1,8 +1,5 @@
 #include "model/net/phase/tables.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "model/body/parts.h"
 #include "model/net/phase/design.h"
 #include "model/net/styles.h"
@@ -10,23 +7,30 @@
 namespace styled::phase {
 namespace {
 
-using body::kJointCount;
-using body::Quat;
 using gait::Curve;
+using gait::Lane;
+using gait::LanesAt;
 using gait::Rotations;
-using gait::Vectors;
+using gait::ToLanes;
+using gait::TurnLanes;
+using gait::VectorLanes;
 
 // mean_j exp(vectors_j)
-Rotations About(const Rotations& mean, const Vectors& vectors) noexcept {
-  Rotations at;
-  for (int joint = 0; joint < kJointCount; ++joint) {
-    const auto j = static_cast<std::size_t>(joint);
-    at[j] = mean[j] * body::Exp(gait::VectorOf(vectors, joint));
-  }
-  return at;
+TurnLanes About(const Rotations& mean, const gait::Vectors& vectors) noexcept {
+  return ToLanes(mean) * ExpOf(ToLanes(vectors));
 }
 
+// The identity.
+TurnLanes Still() noexcept { return {Lane::Zero(), Lane::Zero(), Lane::Zero(), Lane::Ones()}; }
+
 }  // namespace
+
+LaneCurve::LaneCurve(const Curve& curve)
+    : mean(ToLanes(curve.mean)), series(ToLanes(curve.series)) {}
+
+TurnLanes LaneCurve::At(const gait::Terms& terms) const noexcept {
+  return mean * ExpOf(LanesAt(series, terms));
+}
 
 Table::Table(const Style& style) : difference(style.difference) {
   constexpr float kDegree = 0.017453293F;
@@ -34,19 +38,19 @@ Table::Table(const Style& style) : difference(style.difference) {
               kDegree * style.sliders[kWander], style.sliders[kHold]};
   has_walk = style.walk.has_value();
   has_run = style.run.has_value();
-  if (has_walk) walk = style.walk->curve;
-  if (has_run) run = style.run->curve;
-  rest_share.fill(1);
+  if (has_walk) walk = LaneCurve(style.walk->curve);
+  if (has_run) run = LaneCurve(style.run->curve);
+  rest_share.setOnes();
   if (style.standing) {
-    rest = *style.standing;
+    rest = ToLanes(*style.standing);
   } else if (style.has_gait()) {
-    const Curve& gait = has_walk ? walk : run;
+    const Curve& gait = has_walk ? style.walk->curve : style.run->curve;
     rest = About(gait.mean, gait.series.col(0));
     rest_of_gait = true;
   } else {
-    rest = style.posture;
+    rest = ToLanes(style.posture);
     if (style.is_pose()) return;
-    rest_share.fill(0);
+    rest_share.setZero();
     for (const body::Joint joint : net::kPostureJoints) rest_share[joint] = 1;
   }
 }
@@ -63,98 +67,86 @@ Own::Own(const net::Performer* performer, const neutral::Reference& reference) n
   running_ = neutral_->running();
 }
 
-Rotations Own::Walk() const noexcept {
+TurnLanes Own::Walk() const noexcept {
   if (neutral_ == nullptr) return WalkMean();
   return About(reference_.gaits->walking.mean, neutral_->walk().series() * terms_);
 }
 
-Rotations Own::Run() const noexcept {
+TurnLanes Own::Run() const noexcept {
   if (neutral_ == nullptr) return RunMean();
   return About(reference_.gaits->running.mean, neutral_->run().series() * terms_);
 }
 
-Rotations Own::WalkMean() const noexcept {
-  if (neutral_ == nullptr) return reference_.walking.rotations;
+TurnLanes Own::WalkMean() const noexcept {
+  if (neutral_ == nullptr) return ToLanes(reference_.walking.rotations);
   return About(reference_.gaits->walking.mean, neutral_->walk().series().col(0));
 }
 
-Rotations Own::RunMean() const noexcept {
-  if (neutral_ == nullptr) return reference_.running.rotations;
+TurnLanes Own::RunMean() const noexcept {
+  if (neutral_ == nullptr) return ToLanes(reference_.running.rotations);
   return About(reference_.gaits->running.mean, neutral_->run().series().col(0));
 }
 
-Rotations Own::Standing() const noexcept {
-  Rotations standing = reference_.standing.rotations;
-  for (std::size_t j = 0; neutral_ != nullptr && j < standing.size(); ++j) {
-    standing[j] = neutral_->turns().rotations[j].conjugate() * standing[j];
-  }
-  return standing;
+TurnLanes Own::Standing() const noexcept {
+  const TurnLanes standing = ToLanes(reference_.standing.rotations);
+  if (neutral_ == nullptr) return standing;
+  return ToLanes(neutral_->turns().rotations).Inverse() * standing;
 }
 
-Quat Own::Mean(int joint) const noexcept {
-  const auto j = static_cast<std::size_t>(joint);
-  if (neutral_ == nullptr) return reference_.walking.rotations[j];
-  const auto mean = [&](const gait::Curve& usual, const neutral::OwnGait& own) -> Quat {
-    return usual.mean[j] * body::Exp(own.series().col(0).segment<3>(3 * joint));
-  };
-  const Quat walk = mean(reference_.gaits->walking, neutral_->walk());
-  if (running_ <= 0) return walk;
-  return walk.slerp(running_, mean(reference_.gaits->running, neutral_->run()));
+TurnLanes Own::Mean() const noexcept {
+  if (neutral_ == nullptr || running_ <= 0) return WalkMean();
+  if (running_ >= 1) return RunMean();
+  const TurnLanes walk = WalkMean();
+  return walk * ExpOf(running_ * LogOf(walk.Inverse() * RunMean()));
 }
 
-float Own::Spread_rad(int joint) const noexcept {
-  if (neutral_ == nullptr) return 0;
-  const auto spread = [joint](const neutral::OwnGait& own) {
-    return std::sqrt(own.series().block<3, gait::kTerms - 1>(3 * joint, 1).squaredNorm() / 2);
+Lane Own::Spread_rad() const noexcept {
+  if (neutral_ == nullptr) return Lane::Zero();
+  const auto spread = [](const neutral::OwnGait& own) -> Lane {
+    const gait::Vectors squares =
+        own.series().rightCols<gait::kTerms - 1>().rowwise().squaredNorm() / 2;
+    const VectorLanes lanes = ToLanes(squares);
+    return (lanes.x + lanes.y + lanes.z).sqrt();
   };
-  const float walk_rad = spread(neutral_->walk());
+  const Lane walk_rad = spread(neutral_->walk());
+  if (running_ <= 0) return walk_rad;
   return walk_rad + running_ * (spread(neutral_->run()) - walk_rad);
 }
 
 namespace {
 
-// log(from^-1 to), per joint.
-Vectors Between(const Rotations& from, const Rotations& to) noexcept {
-  return gait::VectorsAbout(from, to);
-}
-
-Vectors InGait(const Table& style, const Own& own) noexcept {
-  const auto walk = [&]() -> Vectors {
-    return style.difference ? style.walk.VectorsAt(own.terms())
-                            : Between(own.Walk(), style.walk.At(own.terms()));
+VectorLanes InGait(const Table& style, const Own& own) noexcept {
+  const auto turn = [&](const LaneCurve& curve, const auto& neutral) {
+    return style.difference ? LanesAt(curve.series, own.terms())
+                            : LogOf(neutral().Inverse() * curve.At(own.terms()));
   };
-  const auto run = [&]() -> Vectors {
-    return style.difference ? style.run.VectorsAt(own.terms())
-                            : Between(own.Run(), style.run.At(own.terms()));
-  };
+  const auto walk = [&] { return turn(style.walk, [&] { return own.Walk(); }); };
+  const auto run = [&] { return turn(style.run, [&] { return own.Run(); }); };
   // Of a style with one gait, the difference of that gait serves the other, too.
   if (!style.has_run || (style.has_walk && own.running() <= 0)) return walk();
   if (!style.has_walk || own.running() >= 1) return run();
-  const Vectors walking = walk();
+  const VectorLanes walking = walk();
   return walking + own.running() * (run() - walking);
 }
 
-Rotations Replaced(const Table& style, const Own& own) noexcept {
-  if (style.difference) return Curve().mean;
+TurnLanes Replaced(const Table& style, const Own& own) noexcept {
+  if (style.difference) return Still();
   if (!style.rest_of_gait) return own.Standing();
   return style.has_walk ? own.WalkMean() : own.RunMean();
 }
 
-Vectors AtRest(const Table& style, const Own& own) noexcept {
-  Vectors turn = Between(Replaced(style, own), style.rest);
-  for (int joint = 0; joint < kJointCount; ++joint) {
-    turn.segment<3>(3 * joint) *= style.rest_share[static_cast<std::size_t>(joint)];
-  }
-  return turn;
+VectorLanes AtRest(const Table& style, const Own& own) noexcept {
+  VectorLanes turn = LogOf(Replaced(style, own).Inverse() * style.rest);
+  return turn *= style.rest_share;
 }
 
 }  // namespace
 
-Vectors TurnOf(const Table& style, const Own& own) noexcept {
+VectorLanes TurnOf(const Table& style, const Own& own) noexcept {
   const float confidence = style.has_walk || style.has_run ? own.confidence() : 0;
   if (confidence <= 0) return AtRest(style, own);
   if (confidence >= 1) return InGait(style, own);
-  const Vectors rest = AtRest(style, own);
+  const VectorLanes rest = AtRest(style, own);
   return rest + confidence * (InGait(style, own) - rest);
 }
 

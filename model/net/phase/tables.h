@@ -1,14 +1,21 @@
 #pragma once
 
-#include <array>
-
 #include "model/base/realtime.h"
-#include "model/gait/curve.h"
+#include "model/gait/lanes.h"
 #include "model/net/phase/dynamics.h"
 #include "model/net/phase/style.h"
 #include "model/net/stylizer.h"
 
 namespace styled::phase {
+
+// A curve as the hot path reads it.
+struct LaneCurve {
+  explicit LaneCurve(const gait::Curve& curve = {});
+  STYLED_REALTIME gait::TurnLanes At(const gait::Terms& terms) const noexcept;
+
+  gait::TurnLanes mean;
+  gait::LaneSeries series;
+};
 
 // A style as the hot path reads it.
 struct Table {
@@ -16,14 +23,14 @@ struct Table {
 
   bool difference = false;
   bool has_walk = false, has_run = false;
-  gait::Curve walk, run;
+  LaneCurve walk, run;
   // The style's rotations without a gait, and whether the neutral that it replaces there is the
   // performer's walk (its own gait's mean) or their standing.
-  gait::Rotations rest;
+  gait::TurnLanes rest;
   bool rest_of_gait = false;
   // Without a gait or a standing performer in the example, only trunk, neck, head and collars of
   // its mean are a posture; 0: the joint keeps what it does.
-  std::array<float, body::kJointCount> rest_share;
+  gait::Lane rest_share;
   DynamicValues dynamics;
 };
 
@@ -39,14 +46,14 @@ class Own {
   float running() const { return running_; }
   // The gaits at the phase, their means, and standing. Each is computed by the call: few styles
   // need all of them.
-  STYLED_REALTIME gait::Rotations Walk() const noexcept;
-  STYLED_REALTIME gait::Rotations Run() const noexcept;
-  STYLED_REALTIME gait::Rotations WalkMean() const noexcept;
-  STYLED_REALTIME gait::Rotations RunMean() const noexcept;
-  STYLED_REALTIME gait::Rotations Standing() const noexcept;
-  // The mean of the gait, walking or running, and the rms angle about it, rad.
-  STYLED_REALTIME body::Quat Mean(int joint) const noexcept;
-  STYLED_REALTIME float Spread_rad(int joint) const noexcept;
+  STYLED_REALTIME gait::TurnLanes Walk() const noexcept;
+  STYLED_REALTIME gait::TurnLanes Run() const noexcept;
+  STYLED_REALTIME gait::TurnLanes WalkMean() const noexcept;
+  STYLED_REALTIME gait::TurnLanes RunMean() const noexcept;
+  STYLED_REALTIME gait::TurnLanes Standing() const noexcept;
+  // The mean of the gait, walking or running, and the rms angles about it, rad.
+  STYLED_REALTIME gait::TurnLanes Mean() const noexcept;
+  STYLED_REALTIME gait::Lane Spread_rad() const noexcept;
 
  private:
   gait::Terms terms_;
@@ -56,6 +63,6 @@ class Own {
 };
 
 // The rotation vectors, after the performer's own rotations, by which the style turns them.
-STYLED_REALTIME gait::Vectors TurnOf(const Table& style, const Own& own) noexcept;
+STYLED_REALTIME gait::VectorLanes TurnOf(const Table& style, const Own& own) noexcept;
 
 }  // namespace styled::phase
