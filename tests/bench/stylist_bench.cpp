@@ -226,6 +226,22 @@ void MeasuredStep(benchmark::State& state) {
 }
 BENCHMARK(MeasuredStep)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
+// A style of an example, as `like` makes it on the thread of files: 10 s of a walk.
+void Example(benchmark::State& state) {
+  const auto network = MakeNetwork(static_cast<int>(state.range(0)));
+  synthetic::Performer performer({.seed = 1, .script = synthetic::ParseScript("walk:600").value()});
+  const double rate_hz = static_cast<double>(network->model().rate_hz);
+  std::vector<body::Pose> poses(static_cast<std::size_t>(10 * rate_hz));
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    performer.Pose(static_cast<double>(i) / rate_hz, poses[i]);
+  }
+  net::StyleRequest request;
+  request.sources.push_back({.style = -1, .seed = {}, .reference = poses, .weight = 1});
+  for (auto _ : state) benchmark::DoNotOptimize(network->space()->MakeCode(request));
+}
+BENCHMARK(Example)->ArgName("network")->Arg(kGraph)->Arg(kMeasured)->Arg(kAll)->Unit(
+    benchmark::kMillisecond);
+
 // The unit: one step of the network, one style, in plain Eigen.
 void PlainStep(benchmark::State& state) {
   erd::StepRun run(erd::RandomNetwork(16, 1), 1);
