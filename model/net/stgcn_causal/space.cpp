@@ -26,6 +26,10 @@ bool ExampleSpace::IsCode(const StyleCode& code) const {
 
 StyleCode ExampleSpace::MakeCode(const net::StyleRequest& request) const {
   StyleCode code = network_->space().MakeCode(request);
+  // Of one example at its own strength, the code is that example's; to read it costs as much as the
+  // bias.
+  const bool is_examples =
+      request.sources.size() == 1 && request.strength == 1 && request.sources.front().weight == 1;
   Features bias{};
   bool any = false;
   for (const net::StyleSource& source : request.sources) {
@@ -33,7 +37,9 @@ StyleCode ExampleSpace::MakeCode(const net::StyleRequest& request) const {
     any = true;
     net::StyleSource alone = source;
     alone.weight = 1;
-    const Features own = BiasOf(source.reference, network_->space().MakeCode({.sources = {alone}}));
+    const StyleCode own_code =
+        is_examples ? code : network_->space().MakeCode({.sources = {alone}});
+    const Features own = BiasOf(source.reference, own_code);
     for (std::size_t i = 0; i < bias.size(); ++i) {
       bias[i] += request.strength * source.weight * own[i];
     }
