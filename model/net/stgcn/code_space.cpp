@@ -7,11 +7,11 @@
 namespace styled::stgcn {
 
 CodeSpace::CodeSpace(LayerReader& layers, const FeatureParameters& features,
-                     const Standardization& standard, int width, int domains)
+                     const Standardization& standard, int width, int domains, int most_windows)
     : kernels_(&net::BestRowKernels()),
       features_(features),
       standard_(standard),
-      encoder_(layers, width, domains) {
+      encoder_(layers, width, domains, most_windows) {
   constexpr int kHidden = 256;
   net::TensorReader& tensors = layers.tensors();
   mapping_.noise = ReadDense(tensors, "f.noise", kHidden, kNoise);

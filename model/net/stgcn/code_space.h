@@ -15,7 +15,7 @@ class CodeSpace final : public net::StyleSpace {
  public:
   // Reads the tensors `e.*`, `f.*` and `codes.mean` for a network of `width`.
   CodeSpace(LayerReader& layers, const FeatureParameters& features, const Standardization& standard,
-            int width, int domains);
+            int width, int domains, int most_windows = kAllWindows);
 
   int domain_count() const { return static_cast<int>(mean_codes_.size()); }
   // The mean code of the domain's training clips.
@@ -23,7 +23,8 @@ class CodeSpace final : public net::StyleSpace {
 
   // The code of a reference clip by the head of `domain` (0 .. domain_count() - 1), or by
   // kFreeHead. A clip of more than kReference frames: the mean over its windows, kReferenceHop
-  // apart; of fewer: both ends are repeated. Not empty.
+  // apart, or farther apart if there would be more than the most; of fewer: both ends are repeated.
+  // Not empty.
   Code EncodeStyle(std::span<const Features> clip, int domain, Scratch& scratch) const;
   // The mapping network: a code of `domain`.
   Code MapNoise(const Noise& noise, int domain) const;

@@ -19,11 +19,12 @@ struct WeightsFile;
 
 namespace styled::stgcn {
 
-inline constexpr int kCode = 64;          // numbers in a style code
-inline constexpr int kNoise = 16;         // numbers that the mapping network takes
-inline constexpr int kReference = 64;     // frames that the style encoder takes
-inline constexpr int kReferenceHop = 16;  // between the windows of a longer reference
-inline constexpr int kLeastFrames = 8;    // of a clip
+inline constexpr int kCode = 64;             // numbers in a style code
+inline constexpr int kNoise = 16;            // numbers that the mapping network takes
+inline constexpr int kReference = 64;        // frames that the style encoder takes
+inline constexpr int kReferenceHop = 16;     // between the windows of a longer reference
+inline constexpr int kAllWindows = 1 << 20;  // of a reference: no bound
+inline constexpr int kLeastFrames = 8;       // of a clip
 // Channels of the finest level: a multiple of the kernels' block size, and few enough that the
 // weights fit into net::kMaxFileBytes.
 inline constexpr int kWidthStep = net::kRowPanel;

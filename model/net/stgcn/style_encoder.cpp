@@ -48,18 +48,23 @@ std::vector<Features> FilledReference(std::span<const Features> clip) {
   return filled;
 }
 
-// The windows of a reference: their first frames. One window of a short clip.
-std::vector<int> WindowBegins(std::size_t frames) {
+// The windows of a reference: their first frames. One window of a short clip; of a long one at most
+// `most`, over all of it.
+std::vector<int> WindowBegins(std::size_t frames, int most) {
+  const int last = static_cast<int>(frames) - kReference;
+  const int apart = last / kReferenceHop + 1;  // windows kReferenceHop apart
+  const int count = std::min(most, apart);
+  const int spread = count < apart ? last : (count - 1) * kReferenceHop;
   std::vector<int> begins{0};
-  for (std::size_t begin = kReferenceHop; begin + kReference <= frames; begin += kReferenceHop) {
-    begins.push_back(static_cast<int>(begin));
-  }
+  for (int i = 1; i < count; ++i) begins.push_back(spread * i / (count - 1));
   return begins;
 }
 
 }  // namespace
 
-StyleEncoder::StyleEncoder(LayerReader& layers, int width, int domains) {
+StyleEncoder::StyleEncoder(LayerReader& layers, int width, int domains, int most_windows)
+    : most_windows_(most_windows) {
+  assert(most_windows > 1);
   const int trunk = 4 * width;
   in_ = layers.ReadLinear("e.in", width, kChannels, kNodes[0]);
   blocks_[0] = ReadEncoder(layers, "e.res1", 0, width, 2 * width, false);
@@ -79,7 +84,7 @@ Code StyleEncoder::Encode(const RowKernels& kernels, const Standardization& stan
   assert(!clip.empty());
   const std::vector<Features> filled = FilledReference(clip);
   if (!filled.empty()) clip = filled;
-  const std::vector<int> begins = WindowBegins(clip.size());
+  const std::vector<int> begins = WindowBegins(clip.size(), most_windows_);
   const int deep = conv_.weight.depths()[0], out = conv_.weight.columns();
   net::AlignedFloats trunk(Size(kWindowsTogether, deep)), hidden(Size(kWindowsTogether, out));
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(out);

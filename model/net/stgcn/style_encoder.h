@@ -14,8 +14,9 @@ namespace styled::stgcn {
 class StyleEncoder {
  public:
   StyleEncoder() = default;
-  // Reads the tensors `e.*` for a network of `width` and so many domains.
-  StyleEncoder(LayerReader& layers, int width, int domains);
+  // Reads the tensors `e.*` for a network of `width` and so many domains. Of a long clip at most
+  // `most_windows` are read, at least 2.
+  StyleEncoder(LayerReader& layers, int width, int domains, int most_windows);
 
   // As Network::EncodeStyle; `clip` in its own units, to be standardized by `standard`.
   Code Encode(const net::RowKernels& kernels, const Standardization& standard,
@@ -25,6 +26,7 @@ class StyleEncoder {
   void EncodeWindow(const net::RowKernels& kernels, const Standardization& standard,
                     std::span<const Features> window, float* y, Scratch& scratch) const;
 
+  int most_windows_ = kAllWindows;
   Linear in_, conv_;  // conv: [80 * 4w, 4w]
   std::array<EncoderBlock, 2> blocks_;
   std::vector<Dense> heads_;  // one per domain, and the free head last

@@ -21,6 +21,8 @@ using stgcn::LayerReader;
 
 constexpr int kMostSpacing = 16;
 constexpr int kMostFrames = 1000;
+// Windows of an example that are read; each takes 1.6 ms.
+constexpr int kMostWindows = 8;
 using Spacing = std::array<int, 4>;  // of enc1, enc2, dec1, dec2
 
 // A whole number from `least` to `most`, or 0.
@@ -207,7 +209,7 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   }
   const int domains = network->style_count();
   w.space = std::make_unique<const stgcn::CodeSpace>(layers, network->features_, standard, width,
-                                                     domains);
+                                                     domains, kMostWindows);
   tensors.Finish();
   if (!faults.none()) return faults.status();
   for (std::size_t s = 1; s < network->model_.styles.size(); ++s) {
