@@ -110,7 +110,7 @@ class Session {
     if (!sources.ok()) return sources.status();
     AddGroup("sources", "sources", std::move(sources.value()));
     performers_.manifest = whole_.manifest;
-    const Status added = AddPerformers(arguments_.sources, arguments_.data, performers_);
+    Status added = AddPerformers(arguments_.sources, arguments_.data, performers_);
     if (!added.ok()) return added;
     auto strangers = LoadStrangers(arguments_.strangers);
     if (!strangers.ok()) return strangers.status();

@@ -88,7 +88,7 @@ TurnLanes Own::RunMean() const noexcept {
 }
 
 TurnLanes Own::Standing() const noexcept {
-  const TurnLanes standing = ToLanes(reference_.standing.rotations);
+  TurnLanes standing = ToLanes(reference_.standing.rotations);
   if (neutral_ == nullptr) return standing;
   return ToLanes(neutral_->turns().rotations).Inverse() * standing;
 }
@@ -108,7 +108,7 @@ Lane Own::Spread_rad() const noexcept {
     const VectorLanes lanes = ToLanes(squares);
     return (lanes.x + lanes.y + lanes.z).sqrt();
   };
-  const Lane walk_rad = spread(neutral_->walk());
+  Lane walk_rad = spread(neutral_->walk());
   if (running_ <= 0) return walk_rad;
   return walk_rad + running_ * (spread(neutral_->run()) - walk_rad);
 }

@@ -64,7 +64,7 @@ Result<net::SliderValues> ParseDesign(const std::string& text, const net::StyleS
     double value = 0;
     if (equals == std::string::npos || !CLI::detail::lexical_cast(part.substr(equals + 1), value)) {
       std::string names;
-      for (const net::Preset& preset : space.presets()) names += std::string(preset.name) + ", ";
+      for (const net::Preset& preset : space.presets()) names.append(preset.name).append(", ");
       return Status::Error("--design: \"" + part + "\": expected " + names +
                            "or SLIDER=NUMBER, e.g. stoop=28");
     }

@@ -196,7 +196,7 @@ class Run {
       }
     }
 #ifdef STYLED_PREVIEW
-    if (const Status can = stylize::CanPreview(arguments_.preview); !can.ok()) return can;
+    if (Status can = stylize::CanPreview(arguments_.preview); !can.ok()) return can;
 #endif
     for (const std::string& text : arguments_.like) {
       guard_.Reads(text, "the example");
@@ -353,7 +353,7 @@ class Run {
     const auto write = [&](const std::string& file) {
       return keep ? meshes_->Write(*avatar_, motion, file) : styled::clip::Write(file, motion);
     };
-    if (const Status written =
+    if (Status written =
             standard ? stylize::WriteToStandardOutput(kind, write) : guard_.Write(job.out, write);
         !written.ok()) {
       return written;
