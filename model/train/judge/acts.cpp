@@ -15,7 +15,8 @@ using body::Vec3;
 using Worlds = std::vector<body::WorldPose>;
 
 constexpr double kReachWithin_s = 0.4;  // from the fastest moment to the end of a punch
-constexpr double kLate_s = 0.2;         // how much earlier or later the styled gesture may be
+constexpr double kLate_s = 0.2;         // how much later the styled gesture may be, a kick also
+                                        // earlier
 constexpr float kInPlace_mps = 0.5F;    // hips slower than this: a gesture, not a swing in a walk
 constexpr float kGesture_mps = 1.0F;    // a hand that is never faster makes no gesture
 constexpr float kAhead_m = 0.3F;        // a foot so far in front of the hips is not lifted for a
@@ -72,26 +73,30 @@ std::vector<float> HandSpeeds_mps(const Worlds& worlds, int hand, double rate_hz
   return speeds_mps;
 }
 
-// The frame in which the hand has reached its end. It is the frame farthest from its shoulder
-// within kReachWithin_s after `fastest`, moved on until no frame within kLate_s reaches farther in
-// the same direction, so that an unchanged gesture has reach 1 and angle 0.
-std::size_t FarthestReach(const Worlds& worlds, int hand, std::size_t fastest, double rate_hz) {
-  const auto farthest = [&](std::size_t first, std::size_t end, std::size_t frame, auto&& reach_m) {
+// How far the hand is from where it would be if the arm hung.
+float FromHanging_m(const body::WorldPose& world, int hand) {
+  const float length_m = (At(world, hand) - At(world, hand - 1)).norm() +
+                         (At(world, hand - 1) - At(world, hand - 2)).norm();
+  return (Arm(world, hand) + length_m * Vec3::UnitY()).norm();
+}
+
+// The frame in which the hand has reached its end: the one farthest from hanging within
+// kReachWithin_s after `fastest`, moved on until none within kLate_s is farther. Not the farthest
+// from the shoulder: a hand that is raised beside a bent elbow is nearer to it than a hanging one.
+std::size_t EndOf(const Worlds& worlds, int hand, std::size_t fastest, double rate_hz) {
+  const auto farthest = [&](std::size_t first, std::size_t end, std::size_t frame) {
     for (std::size_t i = first; i < end; ++i) {
-      if (reach_m(i) > reach_m(frame)) frame = i;
+      if (FromHanging_m(worlds[i], hand) > FromHanging_m(worlds[frame], hand)) frame = i;
     }
     return frame;
   };
   const std::size_t frames = worlds.size();
-  const std::size_t end = Around(fastest, kReachWithin_s, rate_hz, frames).second;
   std::size_t frame =
-      farthest(fastest, end, fastest, [&](std::size_t i) { return Arm(worlds[i], hand).norm(); });
-  for (std::size_t last = frames; last != frame;) {  // ends: the reach grows with every step
+      farthest(fastest, Around(fastest, kReachWithin_s, rate_hz, frames).second, fastest);
+  for (std::size_t last = frames; last != frame;) {  // ends: the distance grows with every step
     last = frame;
-    const Vec3 direction = Arm(worlds[frame], hand).normalized();
     const auto [first, past] = Around(frame, kLate_s, rate_hz, frames);
-    frame = farthest(first, past, frame,
-                     [&](std::size_t i) { return Arm(worlds[i], hand).dot(direction); });
+    frame = farthest(first, past, frame);
   }
   return frame;
 }
@@ -107,7 +112,7 @@ std::optional<Gesture> FindGesture(const Worlds& worlds, double rate_hz) {
       gesture = Gesture{hand, i};
     }
   }
-  if (gesture) gesture->frame = FarthestReach(worlds, gesture->hand, gesture->frame, rate_hz);
+  if (gesture) gesture->frame = EndOf(worlds, gesture->hand, gesture->frame, rate_hz);
   return gesture;
 }
 
@@ -138,10 +143,10 @@ float HipsSpeed_mps(const Worlds& worlds, std::size_t frame, double rate_hz) {
 void AddGesture(const Worlds& in, const Worlds& out, const Gesture& gesture, double rate_hz,
                 ActsKept& kept) {
   const Vec3 arm_in = Arm(in[gesture.frame], gesture.hand);
-  const auto [first, end] = Around(gesture.frame, kLate_s, rate_hz, out.size());
+  const std::size_t end = Around(gesture.frame, kLate_s, rate_hz, out.size()).second;
   float reach_m = -1;
   Vec3 arm_out = arm_in;
-  for (std::size_t i = first; i < end; ++i) {
+  for (std::size_t i = gesture.frame; i < end; ++i) {
     const Vec3 arm = Arm(out[i], gesture.hand);
     const float along_m = arm.dot(arm_in.normalized());
     if (along_m > reach_m) reach_m = along_m, arm_out = arm;
@@ -179,7 +184,7 @@ void AddEveryGesture(const Worlds& in, const Worlds& out, double rate_hz, ActsKe
     const std::vector<float> speeds_mps = HandSpeeds_mps(in, hand, rate_hz);
     for (const std::size_t fastest : Peaks(speeds_mps, kGesture_mps, rate_hz)) {
       if (kSwing * HipsSpeed_mps(in, fastest, rate_hz) > speeds_mps[fastest]) continue;
-      const Gesture gesture{hand, FarthestReach(in, hand, fastest, rate_hz)};
+      const Gesture gesture{hand, EndOf(in, hand, fastest, rate_hz)};
       if (Arm(in[gesture.frame], hand).norm() < kStretched_m) continue;
       AddGesture(in, out, gesture, rate_hz, kept);
     }

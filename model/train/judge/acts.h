@@ -13,10 +13,10 @@ namespace styled::judge {
 
 // A mean over clips after Add; a figure without a count was not measured.
 struct ActsKept {
-  // Of the hand that is fastest as seen from the chest, where its arm is stretched farthest within
+  // Of the hand that is fastest as seen from the chest, where it is farthest from hanging within
   // 0.4 s after its fastest moment: how far the styled hand reaches from its shoulder in the
-  // input's direction, over the input's reach (at the styled clip's best frame within 0.2 s), and
-  // the angle between the two arms then. Only of clips that stay in place.
+  // input's direction, over the input's reach (at the styled clip's best frame within 0.2 s after
+  // it), and the angle between the two arms then. Only of clips that stay in place.
   Mean reach, direction_deg;
   // The greatest height that a foot ahead of the body reaches above the floor, over the input's.
   // Only of clips in which the input's does so at 40 cm or more, as in a kick.

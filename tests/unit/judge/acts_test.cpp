@@ -73,6 +73,26 @@ TEST(Acts, APunchToTheSideIsOffByItsAngle) {
   EXPECT_NEAR(kept.reach.value(), std::cos(0.7F), 0.05);
 }
 
+// The raised hand ends nearer to its shoulder than where it hung, and soon after the clip begins.
+TEST(Acts, ARaisedHandIsComparedWhereItIsHighest) {
+  const auto raise = [](float forearm_rad) {
+    std::vector<body::Pose> poses(240);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const float done =
+          std::clamp(static_cast<float>(i) / static_cast<float>(0.3 * kRate_hz), 0.0F, 1.0F);
+      const body::Quat down = body::Exp(body::Vec3(0, 0, -kPi / 2));
+      poses[i].rotations[body::kLeftUpperArm] = down.slerp(done, body::Quat::Identity());
+      poses[i].rotations[body::kLeftLowerArm] = body::Exp(body::Vec3(0, 0, done * forearm_rad));
+    }
+    return poses;
+  };
+  const ActsKept same = MeasureActs(raise(2.0F), raise(2.0F), kRate_hz);
+  EXPECT_NEAR(same.reach.value(), 1, 0.01);
+  EXPECT_NEAR(same.direction_deg.value(), 0, 1);
+  const std::vector<body::Pose> hanging(240, raise(2.0F).front());
+  EXPECT_LT(MeasureActs(raise(2.0F), hanging, kRate_hz).reach.value(), 0.5);
+}
+
 TEST(Acts, AKickIsComparedByItsHeight) {
   const auto input = Kick(kPi / 2);
   EXPECT_NEAR(MeasureActs(input, input, kRate_hz).kick_height.value(), 1, 1e-6);
