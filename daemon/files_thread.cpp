@@ -78,6 +78,7 @@ void FilesThread::Run() {
   auto last = std::move(last_);
   lock.unlock();
   KeepProfiles(std::move(last));
+  KeepMovedStyles(true);
   lock.lock();
   ended_ = true;
   end_.notify_one();
@@ -87,6 +88,7 @@ void FilesThread::Run() {
 bool FilesThread::DoTurn() {
   KeepProfiles();
   CheckRecording();
+  KeepMovedStyles(false);
   if (reload_.exchange(false, std::memory_order_relaxed)) {
     Reload();
     return true;
@@ -99,6 +101,7 @@ bool FilesThread::DoTurn() {
 
 void FilesThread::Reload() {
   notifier_.Reloading(clock_.Now_ns());
+  KeepMovedStyles(true);  // the library is read again
   const Status status = Adopt();
   const std::string refused = status.ok() ? "" : status.message();
   if (!status.ok()) {
@@ -186,6 +189,13 @@ void FilesThread::KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> n
   counters_.Add(status.ok() ? runtime::Counter::kStateWrites
                             : runtime::Counter::kStateWritesFailed);
   if (!status.ok()) spdlog::error("settings are not kept: {}", status.message());
+}
+
+void FilesThread::KeepMovedStyles(bool now) {
+  const auto kept = style_requests_.KeepMoved(*running_, now);
+  if (!style_requests_.error().empty()) spdlog::error("{}", style_requests_.error());
+  // Only this thread reads what the library has: the pipeline keeps the configuration it has.
+  if (kept != nullptr) running_ = kept;
 }
 
 void FilesThread::CheckRecording() {

@@ -59,6 +59,8 @@ class FilesThread {
   void DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange);
   // `newest` replaces the profiles in the mailbox: profiles that did not fit into it.
   void KeepProfiles(std::unique_ptr<std::vector<pipeline::Profile>> newest = nullptr);
+  // See StyleRequests::KeepMoved.
+  void KeepMovedStyles(bool now);
   void CheckRecording();
   bool Push(pipeline::Reload reload);
 

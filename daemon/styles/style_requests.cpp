@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <limits>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -152,11 +153,38 @@ StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchang
   MadeStyle style = *made->made.at(reply.name());
   if (!text.empty()) style.example = HashOfExample(text);
   made->made[reply.name()] = std::make_shared<const MadeStyle>(std::move(style));
-  const Status kept = KeepStyle(reply.name(), text, *made);
-  if (!kept.ok()) {
-    error_ = "style.library: " + kept.message() + "; the style will not survive a restart";
+  if (by_hand) {
+    KeepLater(reply.name());
+  } else {
+    Keep(reply.name(), text, *made);
   }
   return Outcome(made);
+}
+
+void StyleRequests::KeepLater(const std::string& name) {
+  moved_at_ = std::chrono::steady_clock::now();
+  if (moved_.empty()) first_moved_at_ = moved_at_;
+  moved_.insert(name);
+}
+
+void StyleRequests::Keep(const std::string& name, const std::string& example,
+                         RuntimeConfig& config) {
+  const Status kept = KeepStyle(name, example, config);
+  if (kept.ok()) return;
+  error_ = "style.library: " + kept.message() + "; the style will not survive a restart";
+}
+
+std::shared_ptr<const RuntimeConfig> StyleRequests::KeepMoved(const RuntimeConfig& running,
+                                                              bool now) {
+  error_.clear();
+  if (moved_.empty()) return nullptr;
+  const auto time = std::chrono::steady_clock::now();
+  if (!now && time - moved_at_ < kRest && time - first_moved_at_ < kLongest) return nullptr;
+  auto kept = std::make_shared<RuntimeConfig>(running);
+  for (const std::string& name : std::exchange(moved_, {})) {
+    if (kept->made.contains(name)) Keep(name, "", *kept);
+  }
+  return kept;
 }
 
 StyleRequests::Outcome StyleRequests::Import(const RuntimeConfig& running, Exchange& exchange) {
@@ -177,7 +205,11 @@ StyleRequests::Outcome StyleRequests::Import(const RuntimeConfig& running, Excha
   if (Status status = PutStyle(std::move(style), *made, wanted.in_place()); !status.ok()) {
     return status;
   }
-  if (const Status kept = KeepStyle(name, "", *made); !kept.ok()) return NotKept(kept);
+  if (wanted.in_place()) {
+    KeepLater(name);
+  } else if (const Status kept = KeepStyle(name, "", *made); !kept.ok()) {
+    return NotKept(kept);
+  }
   Describe(*made->network->space(), *made->made.at(name), *exchange.reply.mutable_like());
   log_line_ = "style " + name + " imported";
   return Outcome(std::move(made));

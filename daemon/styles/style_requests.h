@@ -1,6 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <set>
+#include <string>
 
 #include "daemon/looks/mailboxes.h"
 #include "daemon/looks/runtime_config.h"
@@ -22,10 +25,18 @@ class StyleRequests {
   // Fills the exchange's reply. Returns the configuration to adopt before the reply is sent; null
   // after an error, or when nothing changes.
   std::shared_ptr<const RuntimeConfig> Do(const RuntimeConfig& running, Exchange& exchange);
-  // The log line of the last Do(); "" if there is none. A library that could not be written for a
-  // Like is an error that its reply does not contain.
+  // Writes the styles whose sliders moved to the library: once all have rested for kRest or moved
+  // for kLongest, or `now`. (A slider that moves would otherwise write at each of its places.)
+  // Returns the configuration that knows of the files; null if nothing was written.
+  std::shared_ptr<const RuntimeConfig> KeepMoved(const RuntimeConfig& running, bool now);
+  // The log line of the last Do(); "" if there is none. A library that could not be written is an
+  // error that the reply to a Like does not contain: that of the last Do() or KeepMoved().
   const std::string& log_line() const { return log_line_; }
   const std::string& error() const { return error_; }
+
+  // A hand rests less on a slider while it looks for a place; a crash loses at most kLongest of its
+  // work.
+  static constexpr std::chrono::milliseconds kRest{1000}, kLongest{10000};
 
  private:
   using Outcome = Result<std::shared_ptr<const RuntimeConfig>>;
@@ -37,7 +48,12 @@ class StyleRequests {
   Outcome Rename(const RuntimeConfig& running, Exchange& exchange);
   Outcome Remove(const RuntimeConfig& running, Exchange& exchange);
 
+  void KeepLater(const std::string& name);
+  void Keep(const std::string& name, const std::string& example, RuntimeConfig& config);
+
   Previews previews_;
+  std::set<std::string> moved_;  // styles that the library does not have as they are
+  std::chrono::steady_clock::time_point moved_at_, first_moved_at_;
   std::string log_line_, error_;
 };
 

@@ -3,8 +3,12 @@
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <array>
+#include <filesystem>
+#include <functional>
+#include <set>
 #include <thread>
 
 #include "model/net/shipped_weights.h"
@@ -12,6 +16,7 @@
 #include "tests/e2e/examples.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
+#include "tests/support/temporary_folder.h"
 
 namespace styled::support {
 namespace {
@@ -44,10 +49,11 @@ class DesignTest : public testing::Test {
     request.mutable_like()->set_file("clip.bvh");
     return request;
   }
-  v1::StyleInfo InfoOf(const std::string& name) {
+  v1::StyleInfo InfoOf(const std::string& name) { return InfoOf(name, control_); }
+  static v1::StyleInfo InfoOf(const std::string& name, ControlClient& control) {
     v1::Request request;
     request.mutable_list();
-    const v1::Reply reply = control_.Ask(request);
+    const v1::Reply reply = control.Ask(request);
     for (const auto& style : reply.list().styles()) {
       if (style.name() == name) return style;
     }
@@ -60,7 +66,26 @@ class DesignTest : public testing::Test {
     return subscriber_.Frames("styled/").back();
   }
 
-  Daemon daemon_{{"osc.listen=\"127.0.0.1:0\""}, "", {}, net::FindWeights("open").value().string()};
+  std::string LibraryFile() const { return folder_ / "styles/by-hand-rig-a.json"; }
+  // 0 while there is no such file; each write makes a new file.
+  ino_t LibraryInode() const {
+    struct stat of {};
+    return stat(LibraryFile().c_str(), &of) == 0 ? of.st_ino : 0;
+  }
+
+  static bool Eventually(const std::function<bool()>& done) {
+    for (int tries = 0; tries < 600; ++tries) {
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  }
+
+  TemporaryFolder folder_;
+  Daemon daemon_{{"osc.listen=\"127.0.0.1:0\"", "style.library=" + (folder_ / "styles")},
+                 "",
+                 {},
+                 net::FindWeights("open").value().string()};
   Subscriber subscriber_{daemon_.publish, {"body/rig.a/", "styled/rig.a/rig/"}};
   ControlClient control_{daemon_.control};
   UdpLink link_{daemon_.udp};
@@ -123,6 +148,46 @@ TEST_F(DesignTest, AStyleByHandChangesInPlace) {
   EXPECT_FLOAT_EQ(info.sliders().at("stoop"), 35);
   EXPECT_FLOAT_EQ(info.sliders().at("energy"), 0.6F) << "what is not named keeps its value";
   EXPECT_TRUE(info.made());
+}
+
+// A disk need not keep up with a hand, and a full one is named once.
+TEST_F(DesignTest, ASliderIsKeptWhereItRests) {
+  std::set<ino_t> written;
+  for (int place = 1; place <= 50; ++place) {
+    const float stoop = static_cast<float>(place);
+    ASSERT_EQ(control_.Ask(Design("rig.a", {{"stoop", stoop}})).code(), v1::CODE_OK);
+    written.insert(LibraryInode());
+  }
+  EXPECT_LT(written.size(), 10U) << "in 50 places";
+  EXPECT_TRUE(Eventually([this] {
+    return ReadText(LibraryFile()).find("by-hand-rig-a") != std::string::npos;
+  })) << daemon_.Log();
+}
+
+TEST_F(DesignTest, ASliderThatMovesAtTheEndIsKept) {
+  ASSERT_EQ(control_.Ask(Design("rig.a", {{"stoop", 33}})).code(), v1::CODE_OK);
+  ASSERT_EQ(daemon_.Stop(), 0);
+  daemon_.Start();
+  ControlClient control(daemon_.control);
+  const v1::StyleInfo kept = InfoOf("by-hand-rig-a", control);
+  ASSERT_TRUE(kept.sliders().contains("stoop")) << daemon_.Log();
+  EXPECT_FLOAT_EQ(kept.sliders().at("stoop"), 33);
+}
+
+TEST_F(DesignTest, AFullDiskIsNotNamedAtEachPlace) {
+  std::filesystem::create_directories(LibraryFile() + "/full");  // cannot be replaced
+  for (int place = 1; place <= 20; ++place) {
+    const float stoop = static_cast<float>(place);
+    ASSERT_EQ(control_.Ask(Design("rig.a", {{"stoop", stoop}})).code(), v1::CODE_OK);
+  }
+  EXPECT_TRUE(Eventually(
+      [this] { return daemon_.Log().find("will not survive a restart") != std::string::npos; }));
+  const std::string log = daemon_.Log(), line = "will not survive a restart";
+  int lines = 0;
+  for (std::size_t at = log.find(line); at != std::string::npos; at = log.find(line, at + 1)) {
+    ++lines;
+  }
+  EXPECT_LT(lines, 5) << log;
 }
 
 TEST_F(DesignTest, ADesignBeginsWithAPresetOrAnotherStyle) {
