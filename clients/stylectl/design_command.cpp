@@ -76,7 +76,8 @@ int DesignStyle(Session& session, const DesignArguments& arguments) {
   for (const std::string& slider : arguments.sliders) {
     if (!SetSlider(slider, design)) {
       return session.Usage("design: \"" + slider +
-                           "\": expected SLIDER=NUMBER, e.g. stoop=28; stylectl design --list");
+                           "\": expected SLIDER=NUMBER, e.g. stoop=28, or a design after --preset; "
+                           "stylectl design --list");
     }
   }
   request.set_name(arguments.name);

@@ -282,6 +282,15 @@ void Describe(const net::StyleSpace& space, const MadeStyle& style, v1::LikeRepl
   *reply.mutable_weak() = {findings.weak.begin(), findings.weak.end()};
 }
 
+// An example of which only a network without gaits made a style.
+void DescribeWithoutGait(float seconds, v1::LikeReply& reply) {
+  constexpr float kUsual_s = 3;
+  reply.add_found("no walk and no run");
+  if (seconds < kUsual_s) {
+    reply.add_weak("only " + NumberText(seconds, 1) + " s; show 3 s or more of a walk or a run");
+  }
+}
+
 Status CheckLike(const RuntimeConfig& running, const v1::Like& like) {
   if (!like.measure()) {
     if (Status status = CheckNewName(like.name()); !status.ok()) return status;
@@ -320,6 +329,11 @@ Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1
     const bool moves = like.has_design() || like.in_place();
     if (Status status = PutStyle(std::move(style), *made, moves); !status.ok()) return status;
     Describe(*made->network->space(), *made->made.at(name), reply);
+  }
+  // A network with sliders looks for gaits, unless another one is asked for.
+  const bool looked = like.network().empty() && !running.network->space()->sliders().empty();
+  if (looked && reply.seconds() > 0 && reply.found().empty()) {
+    DescribeWithoutGait(reply.seconds(), reply);
   }
   like.clear_clip();
   like.clear_learn_s();

@@ -119,6 +119,31 @@ TEST_F(DesignTest, AWalkIsMeasuredAndTheReplySaysWhatWasFound) {
   EXPECT_THAT(wave.like().weak(), Contains(HasSubstr("a posture only")));
 }
 
+// The first second of a walk, and something else, beside a network that takes any motion.
+TEST(DesignWithGraph, AnExampleWithoutAGaitIsSaidToHaveNone) {
+  const auto weights = [](const char* name) { return net::FindWeights(name).value().string(); };
+  const Daemon daemon({"model.examples=" + weights("graph"), "model.gaits=" + weights("open")}, "",
+                      {}, weights("v2"));
+  ControlClient control(daemon.control);
+  const auto like = [&control](const std::string& clip, const std::string& network) {
+    v1::Request request;
+    request.mutable_like()->set_name("mine");
+    request.mutable_like()->set_clip(clip);
+    request.mutable_like()->set_network(network);
+    const v1::Reply made = control.Ask(request);
+    EXPECT_EQ(made.code(), v1::CODE_OK) << made.reason();
+    return made.like();
+  };
+  const v1::LikeReply second = like(WalkBvh(60, 1), "");
+  EXPECT_THAT(second.found(), Contains(HasSubstr("no walk and no run")));
+  EXPECT_THAT(second.weak(), Contains(HasSubstr("only 1 s; show 3 s or more")));
+  const v1::LikeReply wave = like(MotionBvh(synthetic::Motion::kWaveLeft, 60, 6), "");
+  EXPECT_THAT(wave.found(), Contains(HasSubstr("no walk and no run")));
+  EXPECT_THAT(wave.weak(), IsEmpty());
+  EXPECT_THAT(like(WalkBvh(60, 6), "").found(), Contains(HasSubstr("walk: ")));
+  EXPECT_THAT(like(WalkBvh(60, 6), "graph").found(), IsEmpty()) << "it does not look for one";
+}
+
 TEST_F(DesignTest, AnotherExampleIsAddedToAStyle) {
   ASSERT_EQ(control_.Ask(Like("mine", WalkBvh(60, 6))).code(), v1::CODE_OK);
   v1::Request run = Like("mine", MotionBvh(synthetic::Motion::kRun, 60, 6));

@@ -297,7 +297,8 @@ def slider(text):
     try:
         return name, float(number) if name and sign else float('')
     except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}', expected SLIDER=NUMBER, e.g. stoop=28") from None
+        raise argparse.ArgumentTypeError(f"'{text}', expected SLIDER=NUMBER, e.g. stoop=28, or a design after "
+                                         '--preset') from None
 
 
 def run_design(a):
