@@ -146,12 +146,14 @@ Status FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
 Status UnknownNetwork(const std::string& name, const RuntimeConfig& running) {
   std::string names;
   for (const net::StyleInfo& style : running.network->model().styles) {
-    if (!style.model.empty() && names.find(" " + style.model) == std::string::npos) {
+    const bool takes_examples = style.varies || style.designable;
+    if (takes_examples && !style.model.empty() &&
+        names.find(" " + style.model) == std::string::npos) {
       names += " " + style.model;
     }
   }
   return Malformed("network: \"" + Printable(name, kMaxSource) +
-                   "\" takes no examples; the networks are" + (names.empty() ? " one" : names));
+                   "\" takes no examples; those that do are" + (names.empty() ? " one" : names));
 }
 
 // Makes `style` the mean of the made style of its name and of itself, by their examples' lengths.

@@ -22,6 +22,7 @@ namespace styled::support {
 namespace {
 
 using testing::Contains;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -142,6 +143,12 @@ TEST(DesignWithGraph, AnExampleWithoutAGaitIsSaidToHaveNone) {
   EXPECT_THAT(wave.weak(), IsEmpty());
   EXPECT_THAT(like(WalkBvh(60, 6), "").found(), Contains(HasSubstr("walk: ")));
   EXPECT_THAT(like(WalkBvh(60, 6), "graph").found(), IsEmpty()) << "it does not look for one";
+
+  v1::Request wrong;
+  wrong.mutable_like()->set_name("mine");
+  wrong.mutable_like()->set_clip(WalkBvh(60, 6));
+  wrong.mutable_like()->set_network("v2");
+  EXPECT_THAT(control.Ask(wrong).reason(), EndsWith("those that do are graph open"));
 }
 
 TEST_F(DesignTest, AnotherExampleIsAddedToAStyle) {
