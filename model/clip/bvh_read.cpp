@@ -1,15 +1,20 @@
 // ReadBvh and ParseBvh. One pass over the text, no stream, no locale.
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "model/base/text.h"
 #include "model/clip/clip.h"
+#include "model/clip/plain_text.h"
 
 namespace styled::clip {
 namespace {
@@ -43,6 +48,25 @@ bool ToDouble(std::string_view word, double& value) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   return error == std::errc() && end == word.data() + word.size() &&
          std::abs(value) < 1e9;  // false for NaN as well
+}
+
+// "0,5", as programs write it where that is usual.
+bool CommaToDouble(std::string_view word, double& value) {
+  std::array<char, 64> point;
+  const std::size_t comma = word.find(',');
+  if (comma == std::string_view::npos || word.size() > point.size()) return false;
+  if (word.find(',', comma + 1) != std::string_view::npos) return false;
+  if (word.find('.') != std::string_view::npos) return false;
+  std::copy(word.begin(), word.end(), point.begin());
+  point[comma] = '.';
+  return ToDouble({point.data(), word.size()}, value);
+}
+
+// "nan", "-inf", "1.#QNAN": what programs print for what is no number.
+bool IsNoNumber(std::string_view word) {
+  if (!word.empty() && (word[0] == '+' || word[0] == '-')) word.remove_prefix(1);
+  const std::string_view begin = word.substr(0, 3);
+  return SameWord(begin, "nan") || SameWord(begin, "inf") || word.starts_with("1.#");
 }
 
 // Splits the text into words and lines.
@@ -122,19 +146,32 @@ class Parser {
       : scan_(text), name_(name), limits_(limits), size_(text.size()) {}
 
   Result<Clip> Run() {
-    if (!Hierarchy() || !Motion()) return Status::Error(error_);
+    if (!Hierarchy() || !Motion() || !Repair()) return Status::Error(error_);
     return std::move(clip_);
   }
 
  private:
   bool Fail(const std::string& found, const std::string& expected) {
-    error_ =
-        name_ + ":" + std::to_string(scan_.line()) + ": found " + found + ", expected " + expected;
+    return FailIn(scan_.line(), found, expected);
+  }
+  bool FailIn(int line, const std::string& found, const std::string& expected) {
+    error_ = name_ + ":" + std::to_string(line) + ": found " + found + ", expected " + expected;
     return false;
   }
   bool Refuse(std::string error) {
     error_ = std::move(error);
     return false;
+  }
+  // What is read although it is not as it should be.
+  void Remark(const std::string& text) {
+    if (clip_.remark.find(text) != std::string::npos) return;
+    clip_.remark.append(clip_.remark.empty() ? "" : "; ").append(text);
+  }
+  bool Number(std::string_view word, double& value) {
+    if (ToDouble(word, value)) return true;
+    if (!CommaToDouble(word, value)) return false;
+    Remark("decimal commas are read as points");
+    return true;
   }
   bool Expect(std::string_view keyword) {
     const std::string_view word = scan_.Word();
@@ -144,7 +181,7 @@ class Parser {
     for (int axis = 0; axis < 3; ++axis) {
       double value = 0;
       const std::string_view word = scan_.Word();
-      if (!ToDouble(word, value)) {
+      if (!Number(word, value)) {
         return Fail(Quote(word), std::string("three OFFSET values, each ") + kNumber);
       }
       offset[axis] = static_cast<float>(value);
@@ -154,8 +191,15 @@ class Parser {
 
   bool Hierarchy() {
     if (!Expect("HIERARCHY")) return false;
-    const std::string_view root = scan_.Word();
+    std::string_view root = scan_.Word();
     if (!SameWord(root, "ROOT")) return Fail(Quote(root), "ROOT");
+    for (; SameWord(root, "ROOT"); root = scan_.Word()) {
+      if (!Root()) return false;
+    }
+    return SameWord(root, "MOTION") || Fail(Quote(root), "MOTION");
+  }
+
+  bool Root() {
     std::vector<int> open;
     if (!Joint(-1, open)) return false;
     while (!open.empty()) {
@@ -200,8 +244,7 @@ class Parser {
 
   bool EndSite(int joint) {
     Vec3 offset = Vec3::Zero();
-    if (!Expect("Site")) return false;
-    scan_.RestOfLine();  // some exporters name it
+    scan_.RestOfLine();  // "Site", or its name
     if (!Expect("{") || !Expect("OFFSET") || !Offset(offset) || !Expect("}")) return false;
     clip_.end_sites[joint].push_back(offset);
     return true;
@@ -216,7 +259,7 @@ class Parser {
     if (!channels.empty()) return Fail("CHANNELS again", "them once per joint");
     const std::string_view count_word = scan_.Word();
     double count = 0;
-    if (!ToDouble(count_word, count) || !(count >= 0 && count <= 6) || count != std::floor(count)) {
+    if (!Number(count_word, count) || !(count >= 0 && count <= 6) || count != std::floor(count)) {
       return Fail(Quote(count_word), "0 to 6 channels");
     }
     for (int i = 0; i < static_cast<int>(count); ++i) {
@@ -235,35 +278,37 @@ class Parser {
     return true;
   }
 
-  bool Motion() {
-    const std::string_view word = scan_.Word();
-    if (SameWord(word, "ROOT")) return Fail("a second ROOT", "one skeleton in a file");
-    if (!SameWord(word, "MOTION")) return Fail(Quote(word), "MOTION");
-    if (channel_count_ == 0) return Fail("no channels in any joint", "at least one");
-
-    // Files have "Frames:" or "Frames :".
-    std::string_view label = scan_.Word();
-    if (SameWord(label, "Frames") && !Expect(":")) return false;
-    if (!SameWord(label, "Frames") && !SameWord(label, "Frames:")) {
-      return Fail(Quote(label), "Frames:");
+  // The word after "Name:", which may be written "Name :" and without a blank behind it.
+  bool Label(std::string_view name, std::string_view& value) {
+    std::string_view word = scan_.Word();
+    if (!SameWord(word.substr(0, name.size()), name)) {
+      return Fail(Quote(word), std::string(name) + ":");
     }
-    const std::string_view frames_word = scan_.Word();
+    word.remove_prefix(name.size());
+    if (word.empty()) word = scan_.Word();
+    if (!word.starts_with(':')) return Fail(Quote(word), std::string(name) + ":");
+    word.remove_prefix(1);
+    value = word.empty() ? scan_.Word() : word;
+    return true;
+  }
+
+  bool Motion() {
+    if (channel_count_ == 0) return Fail("no channels in any joint", "at least one");
+    std::string_view frames_word;
+    if (!Label("Frames", frames_word)) return false;
     std::uint64_t frames = 0;
     const auto parsed =
         std::from_chars(frames_word.data(), frames_word.data() + frames_word.size(), frames);
-    if (parsed.ec != std::errc() || parsed.ptr != frames_word.data() + frames_word.size() ||
-        frames == 0) {
-      return Fail(Quote(frames_word), "a number of frames above 0");
+    if (parsed.ec != std::errc() || parsed.ptr != frames_word.data() + frames_word.size()) {
+      return Fail(Quote(frames_word), "a number of frames");
     }
 
     if (!Expect("Frame")) return false;
-    label = scan_.Word();
-    if (SameWord(label, "Time") && !Expect(":")) return false;
-    if (!SameWord(label, "Time") && !SameWord(label, "Time:")) return Fail(Quote(label), "Time:");
     double frame_time_s = 0;
-    const std::string_view time_word = scan_.Word();
+    std::string_view time_word;
+    if (!Label("Time", time_word)) return false;
     // Slightly wider than the limits, because frame times are rounded.
-    if (!ToDouble(time_word, frame_time_s) || !(frame_time_s > 0.000999 && frame_time_s < 1.001)) {
+    if (!Number(time_word, frame_time_s) || !(frame_time_s > 0.000999 && frame_time_s < 1.001)) {
       return Fail(Quote(time_word), "a frame time of 0.001 to 1 s");
     }
     clip_.rate_hz = NearestRate(1.0 / frame_time_s);
@@ -271,58 +316,66 @@ class Parser {
     // A value needs at least two characters, so the size of the text limits the memory that a wrong
     // frame count can reserve.
     const std::uint64_t most = scan_.left() / (2 * channel_count_) + 1;
-    if (frames > most) {
-      return Fail(std::to_string(frames) + " frames, more than the rest of the file can hold",
-                  "as many as there are rows");
-    }
-    // Joints without channels take memory per frame but no text, so limit the memory, too.
-    const std::uint64_t joints = clip_.skeleton.names.size();
-    if (frames > (kFrameBytesPerByte * size_ + kFramesAllowance) / FrameBytes(joints)) {
-      return Fail(std::to_string(frames) + " frames of " + std::to_string(joints) +
-                      " joints with hardly a channel",
-                  "channels for the joints");
-    }
-    const double length_s = static_cast<double>(frames - 1) / clip_.rate_hz;
-    if (length_s > limits_.longest_s) {
-      return Refuse(name_ + ": found " + NumberText(static_cast<float>(length_s), 2) +
-                    " s, expected at most " + NumberText(limits_.longest_s));
-    }
-    clip_.frames.reserve(frames);
+    if (frames <= most && !FramesFit(frames)) return false;
+    clip_.frames.reserve(std::min({frames, most, MostFrames()}));
     return Rows(frames);
   }
 
+  // Joints without channels take memory per frame but no text, so the memory is limited, too.
+  std::uint64_t MostFrames() const {
+    return (kFrameBytesPerByte * size_ + kFramesAllowance) /
+           FrameBytes(clip_.skeleton.names.size());
+  }
+  bool FramesFit(std::uint64_t frames) {
+    if (frames > MostFrames()) {
+      return Fail(std::to_string(frames) + " frames of " +
+                      std::to_string(clip_.skeleton.names.size()) + " joints with hardly a channel",
+                  "channels for the joints");
+    }
+    const double length_s = (static_cast<double>(frames) - 1) / clip_.rate_hz;
+    return length_s <= limits_.longest_s ||
+           Refuse(name_ + ": found " + NumberText(static_cast<float>(length_s), 2) +
+                  " s, expected at most " + NumberText(limits_.longest_s));
+  }
+
+  // All that there are: Frames: may be wrong.
   bool Rows(std::uint64_t frames) {
     const rig::RigPose rest(clip_.skeleton);
-    for (std::uint64_t frame = 0; frame < frames; ++frame) {
+    for (std::uint64_t frame = 0;; ++frame) {
       if (frame % kRowsPerCheck == 0 && limits_.work.exceeded()) {
         return Refuse(limits_.work.Refusal(name_).message());
       }
       const std::string_view word = scan_.Word();
       if (word.empty()) {
-        return Fail("the end after " + std::to_string(frame) + " rows",
-                    std::to_string(frames) + " as in Frames:");
+        if (frame == 0) return Fail("no rows", "at least one");
+        if (frame != frames) {
+          Remark(std::to_string(frame) + " rows where Frames: says " + std::to_string(frames));
+        }
+        return true;
       }
+      if (!FramesFit(frame + 1)) return false;
       clip_.frames.push_back(rest);
       if (!Row(word, frame)) return false;
       if (frame > 0) KeepSigns(clip_.frames[frame - 1], clip_.frames[frame]);
     }
-    const std::string_view word = scan_.Word();
-    return word.empty() || Fail(Quote(word) + " after the last row",
-                                std::to_string(frames) + " rows as in Frames:");
   }
 
   bool Row(std::string_view word, std::uint64_t frame) {
     rig::RigPose& pose = clip_.frames.back();
     std::size_t read = 0;
+    bool whole = true;
+    const int line = scan_.line();
     for (std::size_t joint = 0; joint < clip_.channels.size(); ++joint) {
       Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
       for (char kind : clip_.channels[joint]) {
-        if (word.empty()) {
-          return Fail(std::to_string(read) + " values in row " + std::to_string(frame + 1),
-                      std::to_string(channel_count_));
+        if (word.empty() && !Wrapped(frame, read, word)) {
+          return FailIn(line, std::to_string(read) + " values in row " + std::to_string(frame + 1),
+                        std::to_string(channel_count_));
         }
         double value = 0;
-        if (!ToDouble(word, value)) {
+        if (IsNoNumber(word)) {
+          whole = false;
+        } else if (!Number(word, value)) {
           return Fail(Quote(word) + " as value " + std::to_string(read + 1) + " of row " +
                           std::to_string(frame + 1),
                       kNumber);
@@ -342,9 +395,104 @@ class Parser {
       }
       pose.rotations[joint] = rotation.cast<float>().normalized();
     }
-    return word.empty() || Fail("more than " + std::to_string(channel_count_) + " values in row " +
-                                    std::to_string(frame + 1),
-                                std::to_string(channel_count_));
+    if (!word.empty()) {
+      return Fail("more than " + std::to_string(channel_count_) + " values in row " +
+                      std::to_string(frame + 1),
+                  std::to_string(channel_count_));
+    }
+    if (whole) {
+      whole_ = std::min(whole_, frame);
+    } else {
+      ++broken_;
+      if (frame > 0) pose = clip_.frames[frame - 1];
+    }
+    return true;
+  }
+
+  // Whether the row goes on in the next line, of which `word` is then the first one. The first row
+  // decides for all: its lines must together have the values of a row.
+  bool Wrapped(std::uint64_t frame, std::size_t read, std::string_view& word) {
+    if (frame == 0 && !wraps_) {
+      Scanner ahead = scan_;
+      std::size_t values = read;
+      while (values < channel_count_ && !ahead.Word().empty()) {
+        ++values;
+        while (!ahead.WordOnLine().empty()) ++values;
+      }
+      wraps_ = values == channel_count_;
+    }
+    if (!wraps_) return false;
+    Remark("rows of several lines");
+    word = scan_.Word();
+    return !word.empty();
+  }
+
+  // After the last row.
+  bool Repair() {
+    if (broken_ > 0) {
+      if (whole_ >= clip_.frames.size()) return Fail("no row of numbers alone", "at least one");
+      for (std::uint64_t frame = 0; frame < whole_; ++frame) {
+        clip_.frames[frame] = clip_.frames[whole_];
+      }
+      Remark((broken_ == 1 ? "a row" : std::to_string(broken_) + " rows") +
+             std::string(" with values that are no numbers: the frame before stands for it"));
+    }
+    KeepOneSkeleton();
+    FindOffsets();
+    return true;
+  }
+
+  // Of several skeletons the one with most joints: others are props.
+  void KeepOneSkeleton() {
+    const rig::Skeleton& all = clip_.skeleton;
+    std::vector<int> root(all.names.size()), joints(all.names.size());
+    for (std::size_t j = 0; j < root.size(); ++j) {
+      const int parent = all.parents[j];
+      root[j] = parent < 0 ? static_cast<int>(j) : root[static_cast<std::size_t>(parent)];
+      ++joints[static_cast<std::size_t>(root[j])];
+    }
+    const auto kept =
+        static_cast<int>(std::max_element(joints.begin(), joints.end()) - joints.begin());
+    if (joints[static_cast<std::size_t>(kept)] == all.joint_count()) return;
+    std::string others;
+    for (std::size_t j = 0; j < root.size(); ++j) {
+      if (all.parents[j] < 0 && static_cast<int>(j) != kept) others += " " + Quote(all.names[j]);
+    }
+    Remark("of several skeletons that of " + Quote(all.names[static_cast<std::size_t>(kept)]) +
+           ", without" + others);
+    const auto keep = [&](auto& list) {
+      std::size_t to = 0;
+      for (std::size_t j = 0; j < root.size(); ++j) {
+        if (root[j] == kept) list[to++] = list[j];
+      }
+      list.resize(to);
+    };
+    for (rig::RigPose& frame : clip_.frames) {
+      keep(frame.translations);
+      keep(frame.rotations);
+    }
+    std::vector<int>& parents = clip_.skeleton.parents;
+    for (int& parent : parents) parent = parent < 0 ? parent : parent - kept;
+    keep(clip_.channels);
+    keep(clip_.end_sites);
+    keep(clip_.skeleton.names);
+    keep(clip_.skeleton.offsets);
+    keep(parents);
+  }
+
+  // Bones that are in the position channels alone have their lengths in the first frame.
+  void FindOffsets() {
+    rig::Skeleton& skeleton = clip_.skeleton;
+    for (std::size_t j = 0; j < skeleton.names.size(); ++j) {
+      if (skeleton.parents[j] < 0) continue;
+      const auto has = [&](char kind) { return clip_.channels[j].find(kind) != std::string::npos; };
+      if (!skeleton.offsets[j].isZero() || !has('X') || !has('Y') || !has('Z')) return;
+    }
+    if (skeleton.names.size() < 2) return;
+    for (std::size_t j = 0; j < skeleton.names.size(); ++j) {
+      if (skeleton.parents[j] >= 0) skeleton.offsets[j] = clip_.frames.front().translations[j];
+    }
+    Remark("no OFFSETs: the first frame's positions stand for them");
   }
 
   // q and -q are the same rotation: choose the sign that continues the previous frame.
@@ -360,6 +508,9 @@ class Parser {
   const ReadLimits& limits_;
   std::size_t size_;
   std::size_t channel_count_ = 0;
+  bool wraps_ = false;  // rows are of several lines
+  // Rows with values that are no numbers, and the first row without.
+  std::uint64_t broken_ = 0, whole_ = std::numeric_limits<std::uint64_t>::max();
   Clip clip_;
   std::string error_;
 };
@@ -367,7 +518,8 @@ class Parser {
 }  // namespace
 
 Result<Clip> ParseBvh(std::string_view text, const std::string& name, const ReadLimits& limits) {
-  return Parser(text, name, limits).Run();
+  const std::optional<std::string> plain = PlainText(text);
+  return Parser(plain ? *plain : text, name, limits).Run();
 }
 
 Result<Clip> ReadBvh(const std::filesystem::path& file) {

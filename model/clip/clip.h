@@ -26,6 +26,9 @@ struct Clip {
   // FormatBvh's own channels.
   std::vector<std::string> channels;
   std::vector<std::vector<rig::Vec3>> end_sites;
+  // What a reader accepted although it is not as it should be, for a warning: "239 rows where
+  // Frames: says 240; decimal commas are read as points". Empty: nothing.
+  std::string remark;
 };
 
 // A reader's limits for a client's file.
@@ -40,14 +43,21 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
   return sizeof(rig::RigPose) + 2 * kHeap + joints * (sizeof(rig::Vec3) + sizeof(rig::Quat));
 }
 
-// Reads a BVH file or text. Accepts any hierarchy, channel order and count, CRLF, tabs, End Sites,
-// position channels on any joint, 1 to 1000 Hz (0.0333333 s is read as 30 Hz). Position channels
-// replace the OFFSET, also at the root: positions are absolute, not added to it. Angles are
-// degrees, applied in channel order (intrinsic); the resulting rotations are continuous in sign
-// over time. Refuses, besides syntax errors: a second ROOT, no channels, a channel twice in a
-// joint, numbers that are not finite or beyond 1e9, rows that do not match Frames: or CHANNELS, 0
-// frames, more than rig::kMaxSourceJoints joints, a joint's name of more than 256 bytes, and
-// content beyond `limits`. The frames take at most 6 times the text's bytes and 2 MiB: a file whose
+// Reads a BVH file or text. Accepts any hierarchy, channel order and count, CRLF, CR or LF, UTF-8
+// or UTF-16, NUL and Ctrl-Z at the end, tabs, End Sites of any name, position channels on any
+// joint, 1 to 1000 Hz (0.0333333 s is read as 30 Hz). Position channels replace the OFFSET, also at
+// the root: positions are absolute, not added to it. Angles are degrees, applied in channel order
+// (intrinsic); the resulting rotations are continuous in sign over time.
+//
+// What Blender's importer or many exporters tolerate is read, too, with a remark (Clip::remark):
+// more or fewer rows than Frames: says; rows of several lines, if the first row is one; values that
+// are no numbers ("nan"): the frame before stands for the row; decimal commas; several ROOTs: the
+// skeleton with most joints; OFFSETs that are all zero below the root where every joint has its
+// positions in channels: those of the first frame.
+//
+// Refuses, besides syntax errors: no channels, a channel twice in a joint, numbers beyond 1e9, rows
+// that do not match CHANNELS, no row, more than rig::kMaxSourceJoints joints, a joint's name of
+// more than 256 bytes, and content beyond `limits`. The frames take at most 6 times the text's bytes and 2 MiB: a file whose
 // joints have hardly a channel is refused before they are read. Time in proportion to the text.
 // Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the line.
 // Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp.

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <cstdlib>
@@ -71,7 +72,6 @@ std::vector<Case> Broken() {
       {With("Hips\n{", "Hips\n"), "x.bvh:4: found \"OFFSET\", expected {"},
       {With("OFFSET 1 2 3", "OFFSET 1 2"), "x.bvh:5: found \"CHANNELS\", expected three OFFSET"},
       {With("OFFSET 1 2 3", "OFFSET 1 nan 3"), "x.bvh:4: found \"nan\""},
-      {With("OFFSET 1 2 3", "OFFSET 1 2,5 3"), "x.bvh:4: found \"2,5\""},
       {With("OFFSET 1 2 3", "WIDTH 3"), "x.bvh:4: found \"WIDTH\", expected OFFSET, CHANNELS"},
       {With("CHANNELS 6", "CHANNELS 7"), "x.bvh:5: found \"7\", expected 0 to 6 channels"},
       {With("CHANNELS 6", "CHANNELS -1"), "x.bvh:5: found \"-1\""},
@@ -80,17 +80,19 @@ std::vector<Case> Broken() {
       {With("Zposition", "Wposition"), "x.bvh:5: found \"Wposition\", expected a channel"},
       {With("Zposition", "Xposition"), "x.bvh:5: found \"Xposition\" twice"},
       {With("  JOINT Left", "CHANNELS 1 Xrotation\n  JOINT Left"), "x.bvh:6: found CHANNELS again"},
-      {With("End Site", "End Zone"), "x.bvh:10: found \"Zone\", expected Site"},
-      {With("MOTION", "ROOT Second"), "x.bvh:16: found a second ROOT, expected one skeleton"},
       {With("MOTION", "EMOTION"), "x.bvh:16: found \"EMOTION\", expected MOTION"},
       {With("Frames: 2", "2"), "x.bvh:17: found \"2\", expected Frames:"},
-      {With("Frames: 2", "Frames: 0"),
-       "x.bvh:17: found \"0\", expected a number of frames above 0"},
+      {With("Frames: 2", "Framed: 2"), "x.bvh:17: found \"Framed:\", expected Frames:"},
+      {With("Frames: 2", "Frames 2"), "x.bvh:17: found \"2\", expected Frames:"},
+      {With("OFFSET 1 2 3", "OFFSET 1 2,5,1 3"), "x.bvh:4: found \"2,5,1\""},
+      {With("OFFSET 1 2 3", "OFFSET 1 2.5,1 3"), "x.bvh:4: found \"2.5,1\""},
+      {With("MOTION", "ROOT Second"), "x.bvh:17: found \"Frames:\", expected {"},
+      {With("20 30\n", "20\n30\n"), "x.bvh:20: found 8 values in row 2, expected 9"},
+      {With("4 5 6 90", "4 5 nan 90")
+           .replace(With("4 5 6 90", "4 5 nan 90").find("7 8 9"), 5, "7 8 inf"),
+       "found no row of numbers alone, expected at least one"},
       {With("Frames: 2", "Frames: -2"), "x.bvh:17: found \"-2\""},
       {With("Frames: 2", "Frames: 99999999999999999999"), "x.bvh:17: found \"9999999"},
-      {With("Frames: 2", "Frames: 4000000000000"), "more than the rest of the file can hold"},
-      {With("Frames: 2", "Frames: 1"), "x.bvh:20: found \"7\" after the last row, expected 1 rows"},
-      {With("Frames: 2", "Frames: 3"), "found the end after 2 rows, expected 3"},
       {With("Frame Time: 0.0333333", "Frame Time: 0"),
        "x.bvh:18: found \"0\", expected a frame time of 0.001 to 1 s"},
       {With("Frame Time: 0.0333333", "Frame Time: 2"), "x.bvh:18: found \"2\""},
@@ -102,11 +104,8 @@ std::vector<Case> Broken() {
       {With("20 30\n", "20\n"), "x.bvh:20: found 8 values in row 2, expected 9"},
       {With("20 30\n", "20 30 40\n"), "x.bvh:20: found more than 9 values in row 2, expected 9"},
       {With("4 5 6 90", "4 5 x 90"), "x.bvh:19: found \"x\" as value 3 of row 1"},
-      {With("4 5 6 90", "4 5 nan 90"), "x.bvh:19: found \"nan\" as value 3 of row 1"},
-      {With("4 5 6 90", "4 5 -inf 90"), "x.bvh:19: found \"-inf\" as value 3"},
       {With("4 5 6 90", "4 5 1e300 90"),
        "x.bvh:19: found \"1e300\" as value 3 of row 1, expected a number within 1e9 of 0"},
-      {With("4 5 6 90", "4 5 1.#QNAN 90"), "x.bvh:19: found \"1.#QNAN\" as value 3"},
       {"HIERARCHY\nROOT a\n{\nCHANNELS 0\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n",
        "x.bvh:6: found no channels in any joint, expected at least one"},
       {deep, "found one more joint, expected at most 256"},
@@ -130,9 +129,12 @@ TEST(Bvh, RefusesAFileThatIsMissingOrAFolder) {
 
 TEST(Bvh, RefusesEveryPrefixOfAFileAndSurvivesIt) {
   const std::string whole = kSmall;
-  // The text is still whole without the digits of its last number and its line end.
+  const std::size_t first_row = whole.find("\n7 8 9");
+  // The text is still whole without the digits of its last number and its line end; and after its
+  // first row, which ends in two digits, it has fewer rows than Frames: says.
   for (std::size_t size = 0; size + 3 < whole.size(); ++size) {
-    EXPECT_NE(Refusal(whole.substr(0, size)), "accepted") << size;
+    const bool one_row = size + 1 >= first_row && size <= first_row + 1;
+    EXPECT_EQ(Refusal(whole.substr(0, size)) == "accepted", one_row) << size;
   }
 }
 
@@ -219,6 +221,10 @@ TEST(Bvh, AcceptsWhatExportersWrite) {
       {With("90\n7", "90\n\n \n7"), "blank lines between rows"},
       {std::string(kSmall) + "\n \n", "blank lines at the end"},
       {With("End Site\n", "End Site LeftTip\n"), "a named end site"},
+      {With("End Site\n", "End Tip\n"), "an end of another name"},
+      {With("End Site\n", "End\n"), "an end without a name"},
+      {With("Frames: 2", "Frames:2"), "no blank after Frames:"},
+      {With("Frame Time: 0", "Frame Time :0"), "no blank after Time :"},
   };
   for (const Case& variant : cases) {
     const Result<Clip> clip = ParseBvh(variant.text, "x");
@@ -226,6 +232,90 @@ TEST(Bvh, AcceptsWhatExportersWrite) {
     EXPECT_EQ(clip.value().skeleton, ParseBvh(kSmall, "x").value().skeleton) << variant.message;
     EXPECT_EQ(clip.value().frames[0].translations[0], Vec3(4, 5, 6)) << variant.message;
   }
+}
+
+// As Blender's importer, or as exporters write it: read, with a remark.
+TEST(Bvh, ReadsWhatIsOddAndSaysSo) {
+  const std::string other =
+      "ROOT Prop\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition Zposition\n}\n";
+  const std::string prop_last = "4 5 6 90 0 0 0 0 90 1 2 3\n7 8 9 0 0 0 10 20 30 1 2 3\n";
+  const std::string rows = "4 5 6 90 0 0 0 0 90\n7 8 9 0 0 0 10 20 30\n";
+  const Case cases[] = {
+      {With("Frames: 2", "Frames: 1"), "2 rows where Frames: says 1"},
+      {With("Frames: 2", "Frames: 0"), "2 rows where Frames: says 0"},
+      {With("Frames: 2", "Frames: 3"), "2 rows where Frames: says 3"},
+      {With("Frames: 2", "Frames: 4000000000000"), "2 rows where Frames: says 4000000000000"},
+      {With(rows, "4 5 6\n90 0 0\n0 0 90\n7 8 9 0\n0 0 10 20 30\n"), "rows of several lines"},
+      {With("4 5 6 90", "4,0 5 6,00 90"), "decimal commas are read as points"},
+      {With("0.0333333", "0,0333333"), "decimal commas are read as points"},
+      {With("7 8 9 0", "7 8 nan 0"), "a row with values that are no numbers"},
+      {With("7 8 9 0", "7 8 -1.#IND 0"), "a row with values that are no numbers"},
+      {With("MOTION", other + "MOTION")
+           .replace(With("MOTION", other + "MOTION").find(rows), rows.size(), prop_last),
+       "of several skeletons that of \"Hips\", without \"Prop\""},
+      {With("ROOT Hips", other + "ROOT Hips")
+           .replace(With("ROOT Hips", other + "ROOT Hips").find(rows), rows.size(),
+                    "1 2 3 4 5 6 90 0 0 0 0 90\n1 2 3 7 8 9 0 0 0 10 20 30\n"),
+       "of several skeletons that of \"Hips\", without \"Prop\""},
+  };
+  for (const Case& odd : cases) {
+    const Result<Clip> clip = ParseBvh(odd.text, "x");
+    ASSERT_TRUE(clip.ok()) << odd.message << ": " << clip.status().message();
+    EXPECT_THAT(clip.value().remark, HasSubstr(odd.message));
+    EXPECT_EQ(clip.value().skeleton, ParseBvh(kSmall, "x").value().skeleton) << odd.message;
+    ASSERT_EQ(clip.value().frames.size(), 2U) << odd.message;
+    EXPECT_EQ(clip.value().frames[0].translations[0], Vec3(4, 5, 6)) << odd.message;
+    EXPECT_EQ(clip.value().channels.size(), 2U) << odd.message;
+  }
+  EXPECT_EQ(ParseBvh(kSmall, "x").value().remark, "");
+}
+
+TEST(Bvh, TheFrameBeforeStandsForARowWithoutNumbers) {
+  const Clip later = ParseBvh(With("7 8 9 0", "nan 8 9 0"), "x").value();
+  EXPECT_EQ(later.frames[1].translations[0], Vec3(4, 5, 6));
+  const Clip first = ParseBvh(With("4 5 6 90", "4 inf 6 90"), "x").value();
+  EXPECT_EQ(first.frames[0].translations[0], Vec3(7, 8, 9)) << "none is before it";
+}
+
+TEST(Bvh, PositionsOfTheFirstFrameStandForOffsetsThatAreZero) {
+  const Clip clip =
+      ParseBvh(
+          "HIERARCHY ROOT a\n{ OFFSET 0 0 0 CHANNELS 3 Xposition Yposition Zposition JOINT b\n{ "
+          "OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation } } "
+          "MOTION Frames: 2 Frame Time: 0.01\n1 2 3 4 5 6 0 0 0\n1 2 3 4 5 7 0 0 0\n",
+          "x")
+          .value();
+  EXPECT_EQ(clip.skeleton.offsets[1], Vec3(4, 5, 6));
+  EXPECT_THAT(clip.remark, HasSubstr("no OFFSETs: the first frame's positions stand for them"));
+  EXPECT_EQ(clip.frames[1].translations[1], Vec3(4, 5, 7));
+}
+
+std::string Utf16(const std::string& text, bool big) {
+  std::string wide = big ? "\xFE\xFF" : "\xFF\xFE";
+  for (char c : text) {
+    if (big) wide += '\0';
+    wide += c;
+    if (!big) wide += '\0';
+  }
+  return wide;
+}
+
+TEST(Bvh, ReadsTextsOfOtherSystems) {
+  std::string mac = kSmall;
+  std::replace(mac.begin(), mac.end(), '\n', '\r');
+  const std::string end = std::string(kSmall) + "\x1A" + std::string(3, '\0');
+  for (const std::string& text :
+       {mac, end, Utf16(kSmall, false), Utf16(kSmall, true), Utf16(mac, false) + '\x1A' + '\0'}) {
+    const Result<Clip> clip = ParseBvh(text, "x");
+    ASSERT_TRUE(clip.ok()) << clip.status().message();
+    EXPECT_EQ(clip.value().skeleton, ParseBvh(kSmall, "x").value().skeleton);
+    EXPECT_EQ(clip.value().remark, "");
+  }
+  // 左 and, of two surrogates, U+1F938.
+  std::string wide = Utf16(With("Left Arm", "LM"), false);
+  const std::size_t at = wide.find(std::string("L\0M\0", 4));
+  wide.replace(at, 4, "\xE6\x5D\x3E\xD8\x38\xDD");
+  EXPECT_EQ(ParseBvh(wide, "x").value().skeleton.names[1], "\xE5\xB7\xA6\xF0\x9F\xA4\xB8");
 }
 
 TEST(Bvh, ReadsPositionChannelsOnAnyJointAndInAnyOrder) {

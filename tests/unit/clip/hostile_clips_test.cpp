@@ -137,7 +137,7 @@ std::vector<HostileFile> BvhFiles() {
                 kFile),
        ""},
       {"frames that are not there", small + "MOTION\nFrames: 99999999\nFrame Time: 0.001\n0 0 0\n",
-       "more than the rest of the file can hold"},
+       "found 3 values in row 1, expected 63"},
   };
 }
 
