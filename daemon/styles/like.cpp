@@ -9,6 +9,7 @@
 
 #include "daemon/styles/style_list.h"
 #include "model/base/text.h"
+#include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/clip/gltf_clip.h"
 #include "model/rig/dialects.h"
@@ -22,15 +23,17 @@ constexpr std::size_t kMaxSource = 200;  // bytes of a source's name that are ke
 struct Poses {
   std::deque<body::Pose> poses;
   double rate_hz = 0;
+  std::string remark;  // clip::Clip's
 };
 
 Result<Poses> Bound(Result<clip::Clip>&& clip, const Result<rig::Binding>& bound,
                     const std::string& name, const WorkLimit& work) {
   if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
   const double rate_hz = clip.value().rate_hz;
+  std::string remark = std::move(clip.value().remark);
   auto poses = clip::ToCanonical(std::move(clip.value()), bound.value(), work, name);
   if (!poses.ok()) return poses.status();
-  return Poses{std::move(poses.value()), rate_hz};
+  return Poses{std::move(poses.value()), rate_hz, std::move(remark)};
 }
 
 Result<Poses> ReadGltf(const v1::Like& like, const std::string& name, const std::string& rig,
@@ -45,8 +48,9 @@ Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::
                       const clip::ReadLimits& limits) {
   auto clip = clip::ParseBvh(like.clip(), name, limits);
   if (!clip.ok()) return clip.status();
-  const auto bound = rig::BindDialect(clip.value().skeleton, rig);
-  return Bound(std::move(clip), bound, name, limits.work);
+  const auto bound = clip::BindClip(clip.value(), rig);
+  if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
+  return Bound(std::move(clip), bound.value().binding, name, limits.work);
 }
 
 // Names the format of a clip that is neither; "" if unknown.
@@ -59,7 +63,8 @@ std::string_view OtherFormat(std::string_view bytes) {
 
 // The clip's poses at the network's rate.
 Status ReadClip(const v1::Like& like, const net::Model& model, const net::StyleSpace& space,
-                const WorkLimit& work, std::vector<body::Pose>& poses, float& seconds) {
+                const WorkLimit& work, std::vector<body::Pose>& poses, float& seconds,
+                std::string& remark) {
   const std::string name = like.file().empty() ? "the clip" : Printable(like.file(), kMaxSource);
   const std::string rig = like.rig().empty() ? "auto" : like.rig();
   if (const std::string_view other = OtherFormat(like.clip()); !other.empty()) {
@@ -70,7 +75,8 @@ Status ReadClip(const v1::Like& like, const net::Model& model, const net::StyleS
   const auto read = clip::IsGltfBinary(like.clip()) ? ReadGltf(like, name, rig, limits)
                                                     : ReadBvh(like, name, rig, limits);
   if (!read.ok()) return Malformed(read.status().message());
-  const auto& [own, own_hz] = read.value();
+  const auto& [own, own_hz, own_remark] = read.value();
+  remark = own_remark;
   const double length_s = static_cast<double>(own.size() - 1) / own_hz;
   auto resampled = clip::ResamplePoses(own, own_hz, static_cast<double>(model.rate_hz), work, name);
   if (!resampled.ok()) return Malformed(resampled.status().message());
@@ -221,10 +227,11 @@ Status MakeDesign(const v1::Like& like, const RuntimeConfig& running, MadeStyle&
   return Status::Ok();
 }
 
-// Finds the code and its source: writes the poses to `example`, the length to `style`.
+// Finds the code and its source: writes the poses to `example`, the length to `style`, and to
+// `remark` what is odd about the clip.
 Status MakeCode(const v1::Like& like, const RuntimeConfig& running,
                 std::span<const body::Pose> take, const WorkLimit& work, MadeStyle& style,
-                std::vector<body::Pose>& example) {
+                std::vector<body::Pose>& example, std::string& remark) {
   const net::Model& model = running.network->model();
   const net::StyleSpace& space = *running.network->space();
   net::StyleRequest request;
@@ -238,7 +245,7 @@ Status MakeCode(const v1::Like& like, const RuntimeConfig& running,
     refusal = FindVariation(like.vary(), running, request);
     style.source = like.vary().style() + ", variation " + std::to_string(like.vary().seed());
   } else {
-    if (take.empty()) refusal = ReadClip(like, model, space, work, example, style.seconds);
+    if (take.empty()) refusal = ReadClip(like, model, space, work, example, style.seconds, remark);
     request.sources = {{.style = -1, .seed = {}, .reference = example}};
     request.network = like.network();
   }
@@ -311,8 +318,9 @@ Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1
   style.name = like.name();
   style.source = Printable(like.file(), kMaxSource);
   std::vector<body::Pose> poses;
+  std::string remark;
   if (Status status = CheckLike(running, like); !status.ok()) return status;
-  if (Status status = MakeCode(like, running, take, work, style, poses); !status.ok()) {
+  if (Status status = MakeCode(like, running, take, work, style, poses, remark); !status.ok()) {
     return status;
   }
   // A style of the weights' own numbers owes what they owe; one that is measured, only the clip's
@@ -332,6 +340,7 @@ Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1
     if (Status status = PutStyle(std::move(style), *made, moves); !status.ok()) return status;
     Describe(*made->network->space(), *made->made.at(name), reply);
   }
+  if (!remark.empty()) reply.add_weak("the file: " + remark);
   // A network with sliders looks for gaits, unless another one is asked for.
   const bool looked = like.network().empty() && !running.network->space()->sliders().empty();
   if (looked && reply.seconds() > 0 && reply.found().empty()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <system_error>
 
 namespace styled::player {
@@ -66,6 +67,9 @@ Status ClipMotion::Load(std::size_t file) {
   if (!read.ok()) return read.status();
   if (read.value().frames.empty()) {
     return Status::Error(files_[file].string() + ": no frames, expected at least one");
+  }
+  if (!read.value().remark.empty()) {
+    std::fprintf(stderr, "%s: warning: %s\n", files_[file].c_str(), read.value().remark.c_str());
   }
   clip_ = clip::Resample(read.value(), options_.rate_hz);
   file_ = file;

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <set>
@@ -149,6 +150,25 @@ TEST(DesignWithGraph, AnExampleWithoutAGaitIsSaidToHaveNone) {
   wrong.mutable_like()->set_clip(WalkBvh(60, 6));
   wrong.mutable_like()->set_network("v2");
   EXPECT_THAT(control.Ask(wrong).reason(), EndsWith("those that do are graph open"));
+}
+
+// As `stylize` reads them: any zero pose, and text with a row less than it says.
+TEST_F(DesignTest, AnExampleIsBoundWhereverItsArmsAreInItsZeroPose) {
+  const v1::Reply straight = control_.Ask(Like("straight", WalkBvh(60, 6)));
+  std::string text = HangingWalkBvh(60, 6);
+  const std::size_t frames = text.find("Frames: 360");
+  ASSERT_NE(frames, std::string::npos);
+  text.replace(frames, 11, "Frames:361");
+  const v1::Reply hanging = control_.Ask(Like("hanging", text));
+  ASSERT_EQ(hanging.code(), v1::CODE_OK) << hanging.reason();
+  EXPECT_THAT(hanging.like().weak(), Contains(HasSubstr("360 rows where Frames: says 361")));
+  ASSERT_EQ(hanging.like().code_size(), straight.like().code_size());
+  double apart = 0, size = 0;
+  for (int i = 0; i < straight.like().code_size(); ++i) {
+    apart += std::pow(hanging.like().code(i) - straight.like().code(i), 2);
+    size += std::pow(straight.like().code(i), 2);
+  }
+  EXPECT_LT(apart, 1e-3 * size);
 }
 
 TEST_F(DesignTest, AnotherExampleIsAddedToAStyle) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <vector>
 
+#include "model/clip/clip.h"
 #include "sim/player/performer_motion.h"
 #include "tests/unit/net/stgcn_causal/random_weights.h"
 
@@ -19,6 +21,34 @@ std::string CausalWeights(const std::string& file) {
 
 std::string WalkBvh(double rate_hz, double seconds) {
   return MotionBvh(synthetic::Motion::kWalk, rate_hz, seconds);
+}
+
+std::string HangingWalkBvh(double rate_hz, double seconds) {
+  clip::Clip clip = clip::ParseBvh(WalkBvh(rate_hz, seconds), "walk").value();
+  rig::Skeleton& skeleton = clip.skeleton;
+  // Of the zero pose's joints, from the T-pose's.
+  std::vector<rig::Quat> world(skeleton.names.size(), rig::Quat::Identity());
+  int turned = 0;
+  for (std::size_t j = 0; j < world.size(); ++j) {
+    const int parent = skeleton.parents[j];
+    if (parent >= 0) world[j] = world[static_cast<std::size_t>(parent)];
+    const rig::Quat above = world[j];
+    for (const auto& [name, down_rad] :
+         {std::pair("leftUpperArm", -1.48F), std::pair("rightUpperArm", 1.48F)}) {
+      if (skeleton.names[j] != name) continue;
+      world[j] = world[j] * rig::Quat(Eigen::AngleAxisf(down_rad, rig::Vec3::UnitZ()));
+      ++turned;
+    }
+    if (parent >= 0) {
+      skeleton.offsets[j] = above * skeleton.offsets[j];
+      for (rig::RigPose& frame : clip.frames) {
+        frame.translations[j] = above * frame.translations[j];
+        frame.rotations[j] = above * frame.rotations[j] * world[j].conjugate();
+      }
+    }
+  }
+  EXPECT_EQ(turned, 2);
+  return clip::FormatBvh(clip);
 }
 
 std::string MotionBvh(synthetic::Motion motion_of, double rate_hz, double seconds) {

@@ -45,6 +45,10 @@ Result<std::vector<body::Pose>> ReadExample(const std::string& file, const char*
   };
   const auto clip = clip::ReadBvh(file);
   if (!clip.ok()) return error(clip.status().message());
+  if (!clip.value().remark.empty()) {
+    std::fprintf(stderr, "stylize: %s %s: warning: %s\n", option, file.c_str(),
+                 clip.value().remark.c_str());
+  }
   const auto bound = clip::BindClip(clip.value(), rig);
   if (!bound.ok()) return error(file + ": " + bound.status().message());
   const Status length = CheckLength(clip.value(), file, model, space);

@@ -247,6 +247,10 @@ class Run {
     auto clip = standard ? styled::clip::ParseBvh(text, "standard input")
                          : styled::clip::ReadBvh(input.file);
     if (!clip.ok()) return clip.status();
+    if (!clip.value().remark.empty()) {
+      std::fprintf(stderr, "stylize: %s: warning: %s\n",
+                   standard ? "standard input" : input.file.c_str(), clip.value().remark.c_str());
+    }
     auto bound =
         styled::clip::BindClip(clip.value(), arguments_.rig,
                                styled::clip::ParseRestPose(arguments_.rest).value(), joints_);

@@ -30,6 +30,10 @@ Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
   }
   const auto clip = clip::ReadBvh(file);
   if (!clip.ok()) return Status::Error("--neutral: " + clip.status().message());
+  if (!clip.value().remark.empty()) {
+    std::fprintf(stderr, "stylize: --neutral %s: warning: %s\n", file.c_str(),
+                 clip.value().remark.c_str());
+  }
   const auto bound = clip::BindClip(clip.value(), arguments.rig,
                                     clip::ParseRestPose(arguments.rest).value(), joints);
   if (!bound.ok()) return Status::Error("--neutral: " + file + ": " + bound.status().message());
