@@ -341,7 +341,7 @@ Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1
     Describe(*made->network->space(), *made->made.at(name), reply);
   }
   if (!remark.empty()) reply.add_weak("the file: " + remark);
-  // A network with sliders looks for gaits, unless another one is asked for.
+  // A network with sliders looks for gaits, unless the request names another one.
   const bool looked = like.network().empty() && !running.network->space()->sliders().empty();
   if (looked && reply.seconds() > 0 && reply.found().empty()) {
     DescribeWithoutGait(reply.seconds(), reply);

@@ -27,7 +27,7 @@ class StyleRequests {
   std::shared_ptr<const RuntimeConfig> Do(const RuntimeConfig& running, Exchange& exchange);
   // Writes the styles whose sliders moved to the library: once all have rested for kRest or moved
   // for kLongest, or `now`. (A slider that moves would otherwise write at each of its places.)
-  // Returns the configuration that knows of the files; null if nothing was written.
+  // Returns the configuration with the files; null if nothing was written.
   std::shared_ptr<const RuntimeConfig> KeepMoved(const RuntimeConfig& running, bool now);
   // The log line of the last Do(); "" if there is none. A library that could not be written is an
   // error that the reply to a Like does not contain: that of the last Do() or KeepMoved().

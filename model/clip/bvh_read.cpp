@@ -62,7 +62,7 @@ bool CommaToDouble(std::string_view word, double& value) {
   return ToDouble({point.data(), word.size()}, value);
 }
 
-// "nan", "-inf", "1.#QNAN": what programs print for what is no number.
+// "nan", "-inf", "1.#QNAN": printed by programs instead of a number.
 bool IsNoNumber(std::string_view word) {
   if (!word.empty() && (word[0] == '+' || word[0] == '-')) word.remove_prefix(1);
   const std::string_view begin = word.substr(0, 3);
@@ -162,7 +162,7 @@ class Parser {
     error_ = std::move(error);
     return false;
   }
-  // What is read although it is not as it should be.
+  // Adds to the clip's remark.
   void Remark(const std::string& text) {
     if (clip_.remark.find(text) != std::string::npos) return;
     clip_.remark.append(clip_.remark.empty() ? "" : "; ").append(text);
@@ -409,7 +409,7 @@ class Parser {
     return true;
   }
 
-  // Whether the row goes on in the next line, of which `word` is then the first one. The first row
+  // Whether the row continues in the next line, of which `word` is then the first one. The first row
   // decides for all: its lines must together have the values of a row.
   bool Wrapped(std::uint64_t frame, std::size_t read, std::string_view& word) {
     if (frame == 0 && !wraps_) {

@@ -26,7 +26,7 @@ struct Clip {
   // FormatBvh's own channels.
   std::vector<std::string> channels;
   std::vector<std::vector<rig::Vec3>> end_sites;
-  // What a reader accepted although it is not as it should be, for a warning: "239 rows where
+  // The oddities that a reader accepted, for a warning: "239 rows where
   // Frames: says 240; decimal commas are read as points". Empty: nothing.
   std::string remark;
 };
@@ -49,7 +49,7 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 // the root: positions are absolute, not added to it. Angles are degrees, applied in channel order
 // (intrinsic); the resulting rotations are continuous in sign over time.
 //
-// What Blender's importer or many exporters tolerate is read, too, with a remark (Clip::remark):
+// The oddities that Blender's importer or many exporters tolerate are read, too, with a remark:
 // more or fewer rows than Frames: says; rows of several lines, if the first row is one; values that
 // are no numbers ("nan"): the frame before stands for the row; decimal commas; several ROOTs: the
 // skeleton with most joints; OFFSETs that are all zero below the root where every joint has its
@@ -57,10 +57,10 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 //
 // Refuses, besides syntax errors: no channels, a channel twice in a joint, numbers beyond 1e9, rows
 // that do not match CHANNELS, no row, more than rig::kMaxSourceJoints joints, a joint's name of
-// more than 256 bytes, and content beyond `limits`. The frames take at most 6 times the text's bytes and 2 MiB: a file whose
-// joints have hardly a channel is refused before they are read. Time in proportion to the text.
-// Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the line.
-// Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp.
+// more than 256 bytes, and content beyond `limits`. The frames take at most 6 times the text's
+// bytes and 2 MiB: rows of joints that have hardly a channel are refused. Time in proportion to the
+// text. Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the
+// line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp.
 Result<Clip> ReadBvh(const std::filesystem::path& file);
 Result<Clip> ParseBvh(std::string_view text, const std::string& name,
                       const ReadLimits& limits = {});

@@ -188,7 +188,7 @@ class PhaseStylizer final : public net::Stylizer {
   void StepOne(const net::StepJob& job) const noexcept {
     auto& stream = static_cast<PhaseStream&>(*job.stream);
     if (IsIdle(job)) {
-      stream.started = false;  // the next style begins anew
+      stream.started = false;  // the next style starts afresh
       stream.dynamics.Reset();
       return PassThrough(job);
     }

@@ -22,7 +22,7 @@ using stgcn::LayerReader;
 constexpr int kMostSpacing = 16;
 constexpr int kMostFrames = 1000;
 // Windows of an example that are read; each takes 2 ms. With all of them the styles of set 2 from
-// a walk and a run are told as often (SRA 0.98 in gaits and gestures).
+// a walk and a run are recognized as often (SRA 0.98 in gaits and gestures).
 constexpr int kMostWindows = 6;
 using Spacing = std::array<int, 4>;  // of enc1, enc2, dec1, dec2
 

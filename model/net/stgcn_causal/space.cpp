@@ -14,7 +14,7 @@ using stgcn::kFeatureCount;
 // statistics yet. For a shorter example half of it is left out.
 constexpr std::size_t kFirst = 32;
 // Frames of the middle of an example that count for the bias, four strides; each takes 0.06 ms.
-// With all of them the styles of set 2 are told as often, to 0.01.
+// With all of them the styles of set 2 are recognized as often, to 0.01.
 constexpr std::size_t kMost = kFirst + 128;
 
 StyleCode Head(const StyleCode& code) { return {code.begin(), code.begin() + kCode}; }
