@@ -307,4 +307,24 @@ Result<BoundClip> BindClip(const Clip& clip, std::string_view dialect, const Res
                    stander.value().name};
 }
 
+Clip WithTPose(Clip clip, const rig::Binding& binding) {
+  // World rotations of the T-pose, from the old zero pose; the new one's are none.
+  const std::vector<rig::Quat>& world = binding.spec().rest_rotations;
+  rig::Skeleton& skeleton = clip.skeleton;
+  for (std::size_t j = 0; j < world.size(); ++j) {
+    const int parent = skeleton.parents[j];
+    const rig::Quat above =
+        parent < 0 ? rig::Quat::Identity() : world[static_cast<std::size_t>(parent)];
+    skeleton.offsets[j] = above * skeleton.offsets[j];
+    for (rig::RigPose& frame : clip.frames) {
+      frame.translations[j] = above * frame.translations[j];
+      frame.rotations[j] = (above * frame.rotations[j] * world[j].conjugate()).normalized();
+    }
+    if (j < clip.end_sites.size()) {
+      for (rig::Vec3& end : clip.end_sites[j]) end = world[j] * end;
+    }
+  }
+  return clip;
+}
+
 }  // namespace styled::clip

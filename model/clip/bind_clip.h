@@ -41,4 +41,7 @@ struct BoundClip {
 Result<BoundClip> BindClip(const Clip& clip, std::string_view dialect = "auto",
                            const RestPose& rest = {}, const rig::JointNames& given = {});
 
+// The same motion of the same joints, with the binding's T-pose as the skeleton's zero pose.
+Clip WithTPose(Clip clip, const rig::Binding& binding);
+
 }  // namespace styled::clip

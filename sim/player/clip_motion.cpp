@@ -4,6 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <system_error>
+#include <utility>
+
+#include "model/clip/bind_clip.h"
+#include "model/rig/dialects.h"
 
 namespace styled::player {
 namespace {
@@ -71,6 +75,7 @@ Status ClipMotion::Load(std::size_t file) {
   if (!read.value().remark.empty()) {
     std::fprintf(stderr, "%s: warning: %s\n", files_[file].c_str(), read.value().remark.c_str());
   }
+  FindTPose(files_[file].string(), read.value());
   clip_ = clip::Resample(read.value(), options_.rate_hz);
   file_ = file;
   frame_ = 0;
@@ -79,6 +84,24 @@ Status ClipMotion::Load(std::size_t file) {
   shift_ = rig::Vec3::Zero();
   body_ = {clip_.skeleton, {}, options_.metres_per_unit, options_.dialect};
   return Status::Ok();
+}
+
+// Live, a zero pose is a T-pose. Another one is found as `stylize` finds it.
+void ClipMotion::FindTPose(const std::string& name, clip::Clip& clip) const {
+  const auto live = rig::BindDialect(clip.skeleton, options_.dialect);
+  if (live.ok()) return;
+  const auto bound = clip::BindClip(clip, options_.dialect);
+  if (bound.ok()) {
+    clip::Clip straight = clip::WithTPose(clip, bound.value().binding);
+    if (rig::BindDialect(straight.skeleton, options_.dialect).ok()) {
+      std::fprintf(stderr, "%s: warning: its zero pose is no T-pose; sent with that of its %s\n",
+                   name.c_str(), bound.value().rest.c_str());
+      clip = std::move(straight);
+      return;
+    }
+  }
+  std::fprintf(stderr, "%s: warning: a daemon without joints for this source refuses it: %s\n",
+               name.c_str(), live.status().message().c_str());
 }
 
 Motion::Step ClipMotion::Next(rig::RigPose& pose) {

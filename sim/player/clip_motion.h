@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "model/clip/clip.h"
@@ -39,6 +40,7 @@ class ClipMotion final : public Motion {
  private:
   ClipMotion() = default;
   Status Load(std::size_t file);
+  void FindTPose(const std::string& name, clip::Clip& clip) const;
   void JoinPasses(const rig::RigPose& last);
 
   std::vector<std::filesystem::path> files_;

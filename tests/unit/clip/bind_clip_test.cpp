@@ -139,6 +139,24 @@ TEST(BindClip, FindsTheTPoseOfAZeroPoseWithHangingArms) {
 }
 
 // In a walk no frame stands: each limb is taken from another one.
+TEST(BindClip, AClipIsGivenItsTPoseAsZeroPose) {
+  const Clip hanging = Performed("walk:10", ArmsDown());
+  const auto bound = BindClip(hanging);
+  ASSERT_TRUE(bound.ok()) << bound.status().message();
+  const Clip straight = WithTPose(hanging, bound.value().binding);
+  const auto live = rig::BindDialect(straight.skeleton, "auto");
+  ASSERT_TRUE(live.ok()) << live.status().message();
+  const auto expected = ToCanonical(hanging, bound.value().binding);
+  const auto poses = ToCanonical(straight, live.value());
+  ASSERT_EQ(poses.size(), expected.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t j = 0; j < body::kJointCount; ++j) {
+      ASSERT_LT(body::Angle_rad(poses[i].rotations[j], expected[i].rotations[j]), 0.01F)
+          << i << ", " << j;
+    }
+  }
+}
+
 TEST(BindClip, FindsTheTPoseOfAWalkWhoseZeroPoseTellsNothing) {
   const Clip clip = Performed("walk:60", Tangled());
   const auto bound = BindClip(clip);
