@@ -169,8 +169,8 @@ void FilesThread::DoStyleRequest(std::unique_ptr<pipeline::Exchange> exchange) {
 // Waits while the ring is full: the pipeline empties it between frames. False when the daemon
 // stops.
 bool FilesThread::Push(pipeline::Reload reload) {
-  while (!mailboxes_.reloads.Push(std::move(reload))) {  // the exchange stays unchanged when the
-                                                         // ring is full
+  // A full ring leaves it as it is: it is not moved twice. NOLINTNEXTLINE(bugprone-use-after-move)
+  while (!mailboxes_.reloads.Push(std::move(reload))) {
     if (stop_.load(std::memory_order_relaxed)) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
