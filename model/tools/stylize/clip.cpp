@@ -69,8 +69,8 @@ Result<net::SliderValues> ParseDesign(const std::string& text, const net::StyleS
     if (equals == std::string::npos || !CLI::detail::lexical_cast(part.substr(equals + 1), value)) {
       std::string names;
       for (const net::Preset& preset : space.presets()) names.append(preset.name).append(", ");
-      return Status::Error("--design: \"" + part + "\": expected " + names +
-                           "or SLIDER=NUMBER, e.g. stoop=28");
+      std::string error = "--design: \"" + part + "\": expected ";
+      return Status::Error(error.append(names).append("or SLIDER=NUMBER, e.g. stoop=28"));
     }
     values.push_back({part.substr(0, equals), static_cast<float>(value)});
   }
