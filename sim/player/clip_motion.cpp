@@ -94,7 +94,7 @@ void ClipMotion::FindTPose(const std::string& name, clip::Clip& clip) const {
   if (bound.ok()) {
     clip::Clip straight = clip::WithTPose(clip, bound.value().binding);
     if (rig::BindDialect(straight.skeleton, options_.dialect).ok()) {
-      std::fprintf(stderr, "%s: warning: its zero pose is no T-pose; sent with that of its %s\n",
+      std::fprintf(stderr, "%s: warning: its zero pose is not a T-pose; sent with that of its %s\n",
                    name.c_str(), bound.value().rest.c_str());
       clip = std::move(straight);
       return;

@@ -8,8 +8,9 @@ namespace styled::phase::tuning {
 
 // Angle of an upper or a lower arm (leg) from the neutral's mean, beyond kSpreads times its spread
 // in a gait, between which the limb does something of its own, rad. The style then leaves it. In
-// set 2's gestures, styles of a walk and a run, hands reach 0.96 as far, 8 degrees off; between 0.6
-// and 1.3 rad 0.94 and 9, and the movement of runs is recognized a little more often (0.55, not 0.53).
+// set 2's gestures, styles of a walk and a run, hands reach 0.97 as far, 8 degrees off; between 0.6
+// and 1.3 rad 0.94 and 9, and the movement of runs is recognized a little more often (0.55 of them,
+// not 0.53).
 inline constexpr float kOwnBegin_rad = 0.4F, kOwnEnd_rad = 1.0F, kSpreads = 1.5F;
 // Time constants with which a limb's share falls and rises, s, and of a second smoothing of both.
 inline constexpr float kFall_s = 0.05F, kRise_s = 0.5F, kSmooth_s = 0.05F;
