@@ -9,6 +9,7 @@
 #include <set>
 
 #include "model/clip/clip.h"
+#include "model/net/shipped_weights.h"
 #include "tests/unit/net/erd/random_weights.h"
 #include "tests/unit/net/offset/weights.h"
 #include "tests/unit/net/stgcn/random_weights.h"
@@ -193,6 +194,21 @@ class StylizeClips : public ToolsTest {
 
   std::string weights_ = folder_ / "stgcn.safetensors", out_ = folder_ / "out.bvh";
 };
+
+TEST_F(StylizeClips, AWeightIsAShareOfAMeasuredStylesChange) {
+  weights_ = net::FindWeights("open").value();
+  const std::string in = Walk("30", "4"), example = Walk("60", "4");
+  const std::string half = Stylize({"--like", example, "--strength", "0.5"}, in);
+  ASSERT_NE(half, "") << output_;
+  EXPECT_EQ(Stylize({"--like", example + "=0.5"}, in), half);
+  EXPECT_NE(Stylize({"--like", example}, in), half);
+}
+
+TEST_F(StylizeClips, SlidersOfWeightsWithoutAnyAreRefused) {
+  weights_ = net::FindWeights("v2").value();
+  EXPECT_NE(Refusal({"--design", "sneaky"}, Walk()).find("have no sliders"), std::string::npos)
+      << output_;
+}
 
 TEST_F(StylizeClips, StylesByNameExampleNoiseAndMix) {
   const std::string in = Walk("30", "4"), example = Walk("60", "3");

@@ -271,7 +271,15 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
   // strength of other codes is a place among the styles that the network knows.
   Blend blend{{}, weight.value(), 1};
   const bool measured = !space.Portable(space.MakeCode({.sources = {{.style = 0}}})).empty();
-  if (measured) blend.strength = std::exchange(request.strength, 1.0F);
+  if (measured) {
+    blend.strength = std::exchange(request.strength, 1.0F);
+    float sum = 0;
+    for (const net::StyleSource& source : request.sources) sum += source.weight;
+    if (sum < 1) blend.strength *= sum;
+    for (net::StyleSource& source : request.sources) {
+      source.weight = sum > 0 ? source.weight / sum : 1;
+    }
+  }
   if (!request.sources.empty() || arguments.design.empty()) blend.code = space.MakeCode(request);
   if (!examples.neutral.empty()) {
     blend.code =
@@ -292,6 +300,9 @@ Status RefuseClipArguments(const Arguments& arguments, const net::Stylizer& netw
     return Status::Error(option + ": the weights of family \"" + network.model().family +
                          "\" have no " + what + "; expected weights of family " + families);
   };
+  if (!arguments.design.empty() && network.space() == nullptr) {
+    return refusal("--design", "sliders", "phase");
+  }
   if (!arguments.like.empty() && network.space() == nullptr) {
     return refusal("--like", "style encoder", net::SpaceFamilyNames());
   }
