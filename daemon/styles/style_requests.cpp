@@ -153,11 +153,13 @@ StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchang
   MadeStyle style = *made->made.at(reply.name());
   if (!text.empty()) style.example = HashOfExample(text);
   made->made[reply.name()] = std::make_shared<const MadeStyle>(std::move(style));
-  if (by_hand) {
+  // The first place of a slider is written at once, so that a crash loses no style.
+  if (by_hand && !designed_.insert(reply.name()).second) {
     KeepLater(reply.name());
   } else {
     Keep(reply.name(), text, *made);
   }
+  if (!error_.empty()) reply.add_weak("not in the library: it will not survive a restart");
   return Outcome(made);
 }
 

@@ -52,7 +52,8 @@ class StyleRequests {
   void Keep(const std::string& name, const std::string& example, RuntimeConfig& config);
 
   Previews previews_;
-  std::set<std::string> moved_;  // styles that the library does not have as they are
+  std::set<std::string> designed_;  // styles by hand that were written once, or could not be
+  std::set<std::string> moved_;     // styles that the library does not have as they are
   std::chrono::steady_clock::time_point moved_at_, first_moved_at_;
   std::string log_line_, error_;
 };

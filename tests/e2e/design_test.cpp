@@ -216,6 +216,11 @@ TEST_F(DesignTest, ASliderIsKeptWhereItRests) {
   })) << daemon_.Log();
 }
 
+TEST_F(DesignTest, AFirstDesignIsKeptAtOnce) {
+  ASSERT_EQ(control_.Ask(Design("rig.a", {{"stoop", 33}})).code(), v1::CODE_OK);
+  EXPECT_NE(LibraryInode(), 0U);
+}
+
 TEST_F(DesignTest, ASliderThatMovesAtTheEndIsKept) {
   ASSERT_EQ(control_.Ask(Design("rig.a", {{"stoop", 33}})).code(), v1::CODE_OK);
   ASSERT_EQ(daemon_.Stop(), 0);
@@ -228,7 +233,9 @@ TEST_F(DesignTest, ASliderThatMovesAtTheEndIsKept) {
 
 TEST_F(DesignTest, AFullDiskIsNotNamedAtEachPlace) {
   std::filesystem::create_directories(LibraryFile() + "/full");  // cannot be replaced
-  for (int place = 1; place <= 20; ++place) {
+  EXPECT_THAT(control_.Ask(Design("rig.a", {{"stoop", 1}})).like().weak(),
+              Contains(HasSubstr("not in the library: it will not survive a restart")));
+  for (int place = 2; place <= 20; ++place) {
     const float stoop = static_cast<float>(place);
     ASSERT_EQ(control_.Ask(Design("rig.a", {{"stoop", stoop}})).code(), v1::CODE_OK);
   }
