@@ -227,6 +227,7 @@ StyleRequests::Outcome StyleRequests::Rename(const RuntimeConfig& running, Excha
     return NotKept(kept);
   }
   wanted.set_name(style->name);  // spelled as in looks
+  designed_.erase(style->name);
   log_line_ = "style " + style->name + " is called " + wanted.to() + " now";
   return Outcome(std::move(made));
 }
@@ -239,6 +240,7 @@ StyleRequests::Outcome StyleRequests::Remove(const RuntimeConfig& running, Excha
   if (Status status = RemoveStyle(*style, *made); !status.ok()) return status;
   if (const Status kept = KeepRemoved(style->name, *made); !kept.ok()) return NotKept(kept);
   wanted.set_name(style->name);
+  designed_.erase(style->name);
   log_line_ = "style " + style->name + " removed";
   return Outcome(std::move(made));
 }

@@ -29,9 +29,10 @@ class StyleRequests {
   // for kLongest, or `now`. (A slider that moves would otherwise write at each of its places.)
   // Returns the configuration with the files; null if nothing was written.
   std::shared_ptr<const RuntimeConfig> KeepMoved(const RuntimeConfig& running, bool now);
-  // The log line of the last Do(); "" if there is none. A library that could not be written is an
-  // error that the reply to a Like does not contain: that of the last Do() or KeepMoved().
+  // The log line of the last Do(), or "".
   const std::string& log_line() const { return log_line_; }
+  // Why the last Do() or KeepMoved() could not write a style to the library, or "". The reply to a
+  // Like says it only of a write that does not wait.
   const std::string& error() const { return error_; }
 
   // A hand rests less on a slider while it looks for a place; a crash loses at most kLongest of its
