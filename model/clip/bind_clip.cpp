@@ -308,7 +308,7 @@ Result<BoundClip> BindClip(const Clip& clip, std::string_view dialect, const Res
 }
 
 Clip WithTPose(Clip clip, const rig::Binding& binding) {
-  // World rotations of the T-pose, from the old zero pose; the new one's are none.
+  // World rotations of the T-pose, from the old zero pose; from the new one they are identities.
   const std::vector<rig::Quat>& world = binding.spec().rest_rotations;
   rig::Skeleton& skeleton = clip.skeleton;
   for (std::size_t j = 0; j < world.size(); ++j) {

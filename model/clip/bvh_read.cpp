@@ -28,6 +28,7 @@ constexpr std::size_t kMaxName = 256;              // bytes
 // the densest text of rotations, "0 0 0 " per joint, they take 5.
 constexpr std::size_t kFrameBytesPerByte = 6;
 constexpr std::size_t kFramesAllowance = std::size_t{2} << 20;
+constexpr int kOthersShown = 3;               // skeletons that are not read, in a remark
 constexpr std::uint64_t kRowsPerCheck = 256;  // of the time limit
 
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -455,9 +456,12 @@ class Parser {
         static_cast<int>(std::max_element(joints.begin(), joints.end()) - joints.begin());
     if (joints[static_cast<std::size_t>(kept)] == all.joint_count()) return;
     std::string others;
+    int count = 0;
     for (std::size_t j = 0; j < root.size(); ++j) {
-      if (all.parents[j] < 0 && static_cast<int>(j) != kept) others += " " + Quote(all.names[j]);
+      if (all.parents[j] >= 0 || static_cast<int>(j) == kept) continue;
+      if (++count <= kOthersShown) others += " " + Quote(all.names[j]);
     }
+    if (count > kOthersShown) others += " and " + std::to_string(count - kOthersShown) + " more";
     Remark("of several skeletons that of " + Quote(all.names[static_cast<std::size_t>(kept)]) +
            ", without" + others);
     const auto keep = [&](auto& list) {
