@@ -159,7 +159,7 @@ export interface DesignOptions {
   /** Name of the style; by default by-hand- and the performer. A style of that name that was made by hand
   changes at once, without a fade. */
   name?: string;
-  /** The style to begin with; by default the made style of that name, or a performer who is neutral. */
+  /** The style to begin with; by default the made style of that name, or a neutral performer. */
   from?: string;
   /** Begins with this design of ListReply.designs, or with 'neutral': its sliders are set first. */
   preset?: string;

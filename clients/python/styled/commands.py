@@ -292,7 +292,7 @@ class Commands:
         performer). `sliders`: numbers by the names that list().sliders has, in their units; the
         others keep their value. `name`: by default by-hand- and the performer. A style of that name
         that was made by hand changes at once, without a fade. It begins with the style `from_`, by
-        default the made style of that name or a performer who is neutral; `preset`: the sliders of
+        default the made style of that name or a neutral performer; `preset`: the sliders of
         one of list().designs, or of 'neutral', are set first."""
         return self._ask(_design_request(performer, sliders, name, from_, preset, transition_ms),
                          _like_reply)

@@ -27,7 +27,7 @@ interface Hand extends State {
 
 export interface DesignPanel {
   element: HTMLElement;
-  /** Repeats the step that was undone last; false if there is none. */
+  /** Repeats the last step that was undone; false: no step was. */
   redo(): boolean;
 }
 

@@ -62,7 +62,7 @@ type Ask =
   | { kind: 'style'; file: File; name: string }
   | { kind: 'learn' };
 
-// The made style that the selected performer wears, alone; '' if there is none.
+// The made style that the selected performer wears, alone, or ''.
 function chosenMade(app: App): string {
   const mix = (app.entry()?.look?.mix ?? []).filter(({ weight }) => weight > 0);
   return mix.length === 1 && app.info(mix[0]!.style)?.made ? mix[0]!.style : '';
