@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/runtime/clock.h"
@@ -31,6 +32,9 @@ constexpr std::size_t kMaxSenders = 8;
 // Bones that moved by kMoved_m, and stay there, mean another avatar.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
 constexpr int kMovedFrames = 10;
+// How long a sender's first frames wait for its root. Frames come 30 times a second or more; a
+// slow sender repeats its root once a second.
+constexpr std::int64_t kPatience_ns = runtime::kSecond_ns;
 
 Quat ToQuat(const std::array<float, 4>& r) { return {r[3], r[0], r[1], r[2]}; }
 Vec3 ToVec3(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
@@ -51,8 +55,12 @@ struct Merged {
 // One sending application at one address.
 class Sender {
  public:
-  Sender(std::uint64_t peer, std::string performer, const Merged& merged)
-      : peer_(peer), merged_(merged), stream_(std::move(performer)) {
+  // `rootless_noted`: whether the log has the line about a missing root; must outlive it.
+  Sender(std::uint64_t peer, std::string performer, const Merged& merged, bool& rootless_noted)
+      : peer_(peer),
+        merged_(merged),
+        rootless_noted_(rootless_noted),
+        stream_(std::move(performer)) {
     if (merged_.face) faces_.emplace();
     face_.expressions.reserve(vmc::Frame::kMaxBlends);
     face_.thru.reserve(vmc::Frame::kMaxThrus);
@@ -76,6 +84,8 @@ class Sender {
     }
     Report(out);
   }
+  // The root that came before the sender was admitted.
+  void SetRoot(const vmc::Transform& root);
   void Tick(std::int64_t now_ns, Outbox& out) {
     if (assembler_.Flush(now_ns)) Use(assembler_.frame(), now_ns, out);
     Report(out);
@@ -86,6 +96,7 @@ class Sender {
   void UseFace(const vmc::Frame& frame, Outbox& out);
   void UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out);
   void Remember(const vmc::Frame& frame);
+  bool AwaitsRoot(const vmc::Frame& frame, Outbox& out);
   BoneSet Wanted(const vmc::Frame& frame);
   void SetBody(BoneSet bones, Outbox& out);
   void Pose(const vmc::Frame& frame);
@@ -95,6 +106,7 @@ class Sender {
 
   std::uint64_t peer_;
   Merged merged_;
+  bool& rootless_noted_;
   std::int64_t seen_ns_ = 0;
   vmc::Assembler assembler_;
   vmc::Assembler::Counts reported_;
@@ -107,6 +119,8 @@ class Sender {
   BonePositions positions_{};  // each bone's last position
   BonePositions logged_{};     // the same when the body was made
   int moved_frames_ = 0;
+  std::int64_t since_ns_ = 0;                 // the session's first frame with bones; 0: none yet
+  bool has_root_ = false, rootless_ = false;  // a rootless sender stays one
   Vec3 root_position_ = Vec3::Zero(), hips_position_ = Vec3::Zero();
   Quat root_rotation_ = Quat::Identity();
   std::vector<int> bone_of_joint_;
@@ -132,9 +146,16 @@ void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out)
   if (frame.restarted) {
     stream_.Restart();
     bones_ = before_ = 0;  // the avatar may have changed
+    since_ns_ = 0;
+    has_root_ = rootless_;
   }
   Remember(frame);
   if (frame.bones == 0) return;
+  if (since_ns_ == 0) since_ns_ = frame.received_ns;
+  if (!merged_.fingers && AwaitsRoot(frame, out)) {
+    before_ = frame.bones;
+    return;
+  }
   const BoneSet wanted = Wanted(frame);
   before_ = frame.bones;
   if (wanted == 0) return;
@@ -145,6 +166,23 @@ void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out)
   info.now_ns = now_ns;
   if (!merged_.fingers) info.face = Look(frame);
   stream_.Send(pose_, info, out);
+}
+
+// Whether the place of the hips is unknown, because the root has not come yet.
+bool Sender::AwaitsRoot(const vmc::Frame& frame, Outbox& out) {
+  if (has_root_) return false;
+  if (frame.received_ns - since_ns_ < kPatience_ns) {
+    out.Refuse(Counter::kSourceIncomplete);
+    return true;
+  }
+  has_root_ = rootless_ = true;
+  if (std::exchange(rootless_noted_, true)) return false;
+  out.Notice([this] {
+    return stream_.performer() +
+           ": VMC sends no /VMC/Ext/Root/Pos, so the root is taken to be at the origin and not "
+           "turned: the hips' own position counts";
+  });
+  return false;
 }
 
 // Records positions and root. Values that are not finite are ignored.
@@ -165,9 +203,13 @@ void Sender::Remember(const vmc::Frame& frame) {
   // for fingers.
   moved_frames_ = moved && steady && !merged_.fingers ? moved_frames_ + 1 : 0;
   hips_position_ = ToVec3(positions_[vmc::kHips]);
-  if (!frame.has_root) return;
-  const Vec3 position = ToVec3(frame.root.position);
-  const Quat rotation = ToQuat(frame.root.rotation);
+  if (frame.has_root) SetRoot(frame.root);
+}
+
+void Sender::SetRoot(const vmc::Transform& root) {
+  const Vec3 position = ToVec3(root.position);
+  const Quat rotation = ToQuat(root.rotation);
+  has_root_ = true;
   if (position.allFinite()) root_position_ = position;
   if (rotation.coeffs().allFinite() && rotation.norm() > 0) root_rotation_ = rotation.normalized();
 }
@@ -253,18 +295,21 @@ void Sender::Report(Outbox& out) {
   report(reported_.incomplete, counts.incomplete, Counter::kSourceIncomplete);
 }
 
-// Whether the datagram contains a bone, or an expression.
+// The first bone, expression or root of the datagram. Its text is a view into the datagram.
 template <typename What>
-bool Has(std::span<const std::byte> datagram) {
+std::optional<What> First(std::span<const std::byte> datagram) {
   vmc::osc::Reader reader(datagram);
   vmc::osc::Message bytes;
   vmc::Message message;
   while (reader.Next(bytes) == vmc::osc::Reader::Step::kMessage) {
-    if (Decode(bytes, message) == vmc::DecodeResult::kOk && std::holds_alternative<What>(message)) {
-      return true;
-    }
+    if (Decode(bytes, message) != vmc::DecodeResult::kOk) continue;
+    if (const auto* what = std::get_if<What>(&message)) return *what;
   }
-  return false;
+  return {};
+}
+template <typename What>
+bool Has(std::span<const std::byte> datagram) {
+  return First<What>(datagram).has_value();
 }
 
 class Vmc final : public Translator {
@@ -290,11 +335,15 @@ class Vmc final : public Translator {
       const bool alone = !merged_.face && !merged_.fingers;
       const bool devices = devices_.IsSender(peer.id) || VmcDevices::HasDevice(datagram);
       if (devices && alone) return devices_.Handle(datagram, peer.id, now_ns, out);
+      // In single messages the root comes before the sender's first bone.
+      if (const auto root = First<vmc::Root>(datagram)) early_root_ = {peer.id, root->transform};
       return out.Refuse(Counter::kSourceIgnored);
     }
     Sender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
     devices_.Forget(peer.id);
+    if (early_root_.first == peer.id) sender->SetRoot(early_root_.second);
+    early_root_ = {};
     sender->Handle(datagram, now_ns, out);
   }
 
@@ -322,12 +371,16 @@ class Vmc final : public Translator {
       return now_ns - sender->seen_ns() > 10 * runtime::kSecond_ns;
     });
     if (senders_.size() >= kMaxSenders) return nullptr;
-    return senders_.emplace_back(std::make_unique<Sender>(peer.id, performer_, merged_)).get();
+    return senders_
+        .emplace_back(std::make_unique<Sender>(peer.id, performer_, merged_, rootless_noted_))
+        .get();
   }
 
   std::string performer_;
   Merged merged_;
   VmcDevices devices_;
+  bool rootless_noted_ = false;
+  std::pair<std::uint64_t, vmc::Transform> early_root_{};  // by its sender; 0: none
   std::vector<std::unique_ptr<Sender>> senders_;
 };
 

@@ -21,6 +21,7 @@ using vmc::testing::BlendMessage;
 using vmc::testing::BoneMessage;
 using vmc::testing::Bundle;
 using vmc::testing::Bytes;
+using vmc::testing::RootMessage;
 using vmc::testing::TimeMessage;
 using Place = std::vector<float>;  // x, y, z of a position and x, y, z, w of a rotation
 
@@ -68,6 +69,10 @@ class Avatar {
   }
   // One bundle, T first.
   Bytes At(float time_s, std::vector<Bytes> more = {}) const {
+    more.insert(more.begin(), RootMessage());
+    return WithoutRoot(time_s, std::move(more));
+  }
+  Bytes WithoutRoot(float time_s, std::vector<Bytes> more = {}) const {
     std::vector<Bytes> messages{TimeMessage(time_s)};
     for (Bytes& message : Messages()) messages.push_back(std::move(message));
     for (Bytes& message : more) messages.push_back(std::move(message));
@@ -293,9 +298,51 @@ TEST(VmcTranslator, RootAndHipsAreComposed) {
   EXPECT_THAT(place(said[1].frame), Near({-1.5F, 1, 2}));
   EXPECT_THAT(Rotation(said[0].body, said[1].frame, "Hips"), Near({0, -h, 0, h}));
   // It stays where a frame does not repeat it.
-  said = SaidWithSilence(translation, avatar.At(1.02F));
+  said = SaidWithSilence(translation, avatar.WithoutRoot(1.02F));
   ASSERT_FALSE(said.empty());
   EXPECT_THAT(place(said.back().frame), Near({-1.5F, 1, 2}));
+}
+
+// The first frames of a sender that was met in the middle of a frame have no root.
+TEST(VmcTranslator, NoFrameLeavesBeforeTheRootCame) {
+  Translated translation(MakeVmc(Config()));
+  const Avatar avatar;
+  for (int i = 0; i < 10; ++i) {
+    const float time_s = 1 + 0.016F * static_cast<float>(i);
+    EXPECT_TRUE(SaidWithSilence(translation, avatar.WithoutRoot(time_s)).empty());
+  }
+  EXPECT_EQ(translation.Count(Counter::kSourceIncomplete), 10U);
+  const auto said = SaidWithSilence(translation, avatar.At(1.2F, {RootMessage(3)}));
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_EQ(said[1].frame.root_position(0), -3);
+  EXPECT_TRUE(translation.notes.empty());
+  // After a restart the old root may be another one's.
+  EXPECT_TRUE(SaidWithSilence(translation, avatar.WithoutRoot(0)).empty());
+  EXPECT_EQ(SaidWithSilence(translation, avatar.At(0.1F)).back().frame.root_position(0), 0);
+}
+
+TEST(VmcTranslator, ASenderWithoutRootIsAtTheOriginAfterASecondAndThatIsSaidOnce) {
+  Translated translation(MakeVmc(Config()));
+  Avatar avatar;
+  avatar["Hips"] = {0.5F, 1, 0, 0, 0, 0, 1};
+  int frames = 0;
+  const auto send = [&](float time_s) {
+    for (const auto& item : SaidWithSilence(translation, avatar.WithoutRoot(time_s))) {
+      if (!item.is_frame) continue;
+      ++frames;
+      EXPECT_EQ(item.frame.root_position(0), -0.5F);
+    }
+  };
+  for (int i = 0; i < 62; ++i) send(1 + 0.016F * static_cast<float>(i));
+  EXPECT_EQ(frames, 0);
+  for (int i = 62; i < 1000; ++i) send(1 + 0.016F * static_cast<float>(i));
+  EXPECT_GT(frames, 930);
+  // Restarted, it is still one that sends none.
+  const int before = frames;
+  for (int i = 0; i < 10; ++i) send(0.016F * static_cast<float>(i));
+  EXPECT_EQ(frames, before + 10);
+  ASSERT_EQ(translation.notes.size(), 1U);
+  EXPECT_THAT(translation.notes[0], ::testing::HasSubstr("stage: VMC sends no /VMC/Ext/Root/Pos"));
 }
 
 TEST(VmcTranslator, BonesAreAsLongAsOursWhereAllPositionsAreZero) {
@@ -426,7 +473,9 @@ TEST(VmcTranslator, SourceTimeIsTheSendersOrArrivalAfterIt) {
 
 TEST(VmcTranslator, WithoutAnyTimeItIsTheTimeOfArrival) {
   Translated translation(MakeVmc(Config()));
-  const Bytes bytes = Bundle(Avatar().Messages());
+  std::vector<Bytes> messages = Avatar().Messages();
+  messages.push_back(RootMessage());
+  const Bytes bytes = Bundle(messages);
   const std::int64_t first_ns = translation.now_ns;
   EXPECT_EQ(SaidWithSilence(translation, bytes).back().frame.source_time_ns(), first_ns);
   EXPECT_EQ(SaidWithSilence(translation, bytes).back().frame.source_time_ns(),
