@@ -392,7 +392,21 @@ void FrameProcessor::ProcessBody(int source, FrameInTransit& transit) {
   transit.source_sequence = body.sequence;
   transit.arrival_ns = ArrivalOf(body);
   if (transit.decision.reason != Decision::kNoReason) return Refuse(*performer, transit);
+  if (body.refusal != nullptr) return RefuseBody(*performer, transit);
+  performer->refusal = nullptr;
   AdoptBody(*performer, transit, fresh);
+}
+
+// The performer is listed while such bodies come; the log has the reason once.
+void FrameProcessor::RefuseBody(Performer& performer, FrameInTransit& transit) {
+  const source::SourceFrame& body = *transit.given;
+  transit.decision.reason = Counter::kPipelineBodiesRefused;
+  Refuse(performer, transit);
+  const bool known = performer.refusal != nullptr && *performer.refusal == *body.refusal;
+  performer.refusal = body.refusal;
+  if (known) return;
+  performance_.events.LogOf(LogLimit::Kind::kBodyRefused, body.machine, performer.profile.id,
+                            Event::Level::kWarning, *body.refusal);
 }
 
 void FrameProcessor::AdoptBody(Performer& performer, FrameInTransit& transit, bool fresh) {

@@ -76,6 +76,7 @@ class FrameProcessor {
   STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
   STYLED_REALTIME void MeasureLatencies(const Batch& batch, bool bundled) noexcept;
   void ProcessBody(int source, decide::FrameInTransit& transit);
+  void RefuseBody(Performer& performer, decide::FrameInTransit& transit);
   void AdoptBody(Performer& performer, decide::FrameInTransit& transit, bool fresh);
   // Arrival of the frame on the clock's Now_ns(), not later than that of its batch.
   STYLED_REALTIME std::int64_t ArrivalOf(const source::SourceFrame& frame) const noexcept {

@@ -13,6 +13,8 @@ namespace {
 // A larger step of the rig's own count is a jump, not lost frames. Half of the largest step that
 // the pipeline accepts (Session::kFarAhead).
 constexpr std::uint64_t kMostLost = 512;
+// A performer is listed as refused if a datagram was refused in the last second.
+constexpr std::int64_t kRefusedPeriod_ns = runtime::kSecond_ns / 2;
 
 v1::Body MakeMessage(const std::string& performer, const rig::RigBody& body) {
   v1::Body message;
@@ -96,6 +98,18 @@ void PerformerStream::Send(const rig::RigPose& pose, const FrameInfo& info, Outb
   frame.props = std::span<const std::byte>(props_).first(EncodeProps(info.props, props_));
   frame.scene_props = info.scene_props;
   out.Put(frame);
+}
+
+void PerformerStream::SendRefused(const std::shared_ptr<const std::string>& why,
+                                  std::int64_t now_ns, Outbox& out) noexcept {
+  if (!has_body() || now_ns < next_body_ns_) return;
+  next_body_ns_ = now_ns + kRefusedPeriod_ns;
+  SourceFrame body = Next();
+  body.is_body = true;
+  body.arrival_ns = now_ns;
+  body.body = message_;
+  body.refusal = why;
+  out.Put(body);
 }
 
 }  // namespace styled::source

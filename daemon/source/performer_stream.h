@@ -50,6 +50,12 @@ class PerformerStream {
   // have the body's joint count. Does nothing before a body is set.
   STYLED_REALTIME void Send(const rig::RigPose& pose, const FrameInfo& info, Outbox& out) noexcept;
 
+  // Sends the body alone, as one that the pipeline has to refuse for this reason
+  // (SourceFrame::refusal), at most twice a second, so that the performer is listed as refused for
+  // as long as its sender sends. Does nothing before a body is set.
+  STYLED_REALTIME void SendRefused(const std::shared_ptr<const std::string>& why,
+                                   std::int64_t now_ns, Outbox& out) noexcept;
+
   const std::string& performer() const { return performer_; }
 
  private:

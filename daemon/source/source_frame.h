@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "daemon/source/machine.h"
@@ -15,8 +16,8 @@ namespace styled::source {
 
 // One frame or one body of one performer: what every source passes to the pipeline
 // (Receiver::OnFrames). A rig's translator fills it in directly; the native protocol is decoded
-// into it (native_decoder.h). It owns nothing but `body`. Its views are valid during the call only;
-// frame_memory.h copies a frame that must live longer.
+// into it (native_decoder.h). It owns nothing but `body` and `refusal`. Its views are valid during
+// the call only; frame_memory.h copies a frame that must live longer.
 struct SourceFrame {
   // For both kinds. `machine` all zeros: the source distinguishes its senders itself.
   bool is_body = false;
@@ -53,6 +54,10 @@ struct SourceFrame {
   // costs no allocation.
   std::shared_ptr<const v1::Body> body;
   std::span<const std::byte> body_bytes;
+  // For a body of which the translator has found that no performer can be made: what the sender
+  // sends, what is missing, and what to do, in one sentence. The performer is listed as refused for
+  // this reason, and the body is not bound. Null: the pipeline judges the body.
+  std::shared_ptr<const std::string> refusal;
 };
 
 // Copies the pose's floats, bit for bit, into a pose of `joint_count` joints. Returns false and

@@ -21,6 +21,7 @@ class Translated : public source::Receiver {
     bool is_frame = false;
     v1::Body body;
     v1::SourceFrame frame;
+    std::string refusal;  // of a body; "": none
   };
 
   void Handle(std::span<const std::byte> datagram, std::uint64_t peer = 1) {
@@ -60,6 +61,7 @@ class Translated : public source::Receiver {
       item.session = frame.session;
       item.sequence = frame.sequence;
       item.is_frame = !frame.is_body;
+      if (frame.refusal != nullptr) item.refusal = *frame.refusal;
       if (item.is_frame) {
         item.frame = AsMessage(frame);
       } else if (!source::ReadBody(frame, item.body)) {

@@ -265,6 +265,7 @@ void Performer::Send(publish::Publisher& publisher, std::span<publish::Bundle> b
 }
 
 std::string Performer::Warning() const {
+  if (refusal != nullptr && !admission.live()) return *refusal;
   if (binding_.waits()) {
     return "the rig's rest pose is unknown: let the performer stand in T-pose, and stylectl "
            "calibrate " +

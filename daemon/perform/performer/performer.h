@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -134,10 +135,11 @@ class Performer {
   decide::Admission admission;
   Outputs outputs;
   Latency latency;
-  log::FrameHistory history;             // fates of the last frames
-  std::int64_t next_body_ns = 0;         // when the bodies are due again
-  int newest_in_batch = -1;              // used by the pipeline within a batch
-  std::optional<std::int64_t> timecode;  // TimecodeLabel of the last frame with a timecode
+  log::FrameHistory history;                   // fates of the last frames
+  std::int64_t next_body_ns = 0;               // when the bodies are due again
+  int newest_in_batch = -1;                    // used by the pipeline within a batch
+  std::optional<std::int64_t> timecode;        // TimecodeLabel of the last frame with a timecode
+  std::shared_ptr<const std::string> refusal;  // of the last body (SourceFrame); null: none
 
  private:
   // Rebuilds everything that depends on the body in binding_.
