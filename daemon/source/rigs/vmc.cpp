@@ -32,9 +32,12 @@ constexpr std::size_t kMaxSenders = 8;
 // Bones that moved by kMoved_m, and stay there, mean another avatar.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
 constexpr int kMovedFrames = 10;
-// How long a sender's first frames wait for its root. Frames come 30 times a second or more; a
-// slow sender repeats its root once a second.
+// How long a sender's first frames wait for its root, and for bones that a body needs. Frames come
+// 30 times a second or more; a slow sender repeats its root once a second.
 constexpr std::int64_t kPatience_ns = runtime::kSecond_ns;
+// After this long a sender of expressions is one without bones.
+constexpr std::int64_t kFaceAlone_ns = 2 * runtime::kSecond_ns;
+constexpr std::int64_t kSilent_ns = 10 * runtime::kSecond_ns;
 
 Quat ToQuat(const std::array<float, 4>& r) { return {r[3], r[0], r[1], r[2]}; }
 Vec3 ToVec3(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
@@ -55,10 +58,13 @@ struct Merged {
 // One sending application at one address.
 class Sender {
  public:
-  // `rootless_noted`: whether the log has the line about a missing root; must outlive it.
-  Sender(std::uint64_t peer, std::string performer, const Merged& merged, bool& rootless_noted)
+  // `judges`: whether to refuse a sender whose bones make no body. `rootless_noted`: whether the
+  // log has the line about a missing root; must outlive it.
+  Sender(std::uint64_t peer, std::string performer, const Merged& merged, bool judges,
+         bool& rootless_noted)
       : peer_(peer),
         merged_(merged),
+        judges_(judges),
         rootless_noted_(rootless_noted),
         stream_(std::move(performer)) {
     if (merged_.face) faces_.emplace();
@@ -96,6 +102,7 @@ class Sender {
   void UseFace(const vmc::Frame& frame, Outbox& out);
   void UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out);
   void Remember(const vmc::Frame& frame);
+  bool IsPartial(const vmc::Frame& frame, Outbox& out);
   bool AwaitsRoot(const vmc::Frame& frame, Outbox& out);
   BoneSet Wanted(const vmc::Frame& frame);
   void SetBody(BoneSet bones, Outbox& out);
@@ -106,6 +113,7 @@ class Sender {
 
   std::uint64_t peer_;
   Merged merged_;
+  bool judges_;
   bool& rootless_noted_;
   std::int64_t seen_ns_ = 0;
   vmc::Assembler assembler_;
@@ -114,12 +122,17 @@ class Sender {
   std::optional<FaceStream> faces_;  // if the face is merged
   std::uint64_t face_number_ = 0;
   const BoneSet canonical_ = CanonicalBones(), required_ = RequiredBones();
+  const BoneSet bindable_ = BindableBones();
   BoneSet bones_ = 0;          // the body's bones
   BoneSet before_ = 0;         // the last frame's bones
   BonePositions positions_{};  // each bone's last position
   BonePositions logged_{};     // the same when the body was made
   int moved_frames_ = 0;
-  std::int64_t since_ns_ = 0;                 // the session's first frame with bones; 0: none yet
+  // Of the session: its first frame with bones (0: none yet), all its bones, and why they make no
+  // body.
+  std::int64_t since_ns_ = 0;
+  BoneSet all_ = 0;
+  std::shared_ptr<const std::string> refusal_;
   bool has_root_ = false, rootless_ = false;  // a rootless sender stays one
   Vec3 root_position_ = Vec3::Zero(), hips_position_ = Vec3::Zero();
   Quat root_rotation_ = Quat::Identity();
@@ -145,14 +158,15 @@ void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
 void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (frame.restarted) {
     stream_.Restart();
-    bones_ = before_ = 0;  // the avatar may have changed
+    bones_ = before_ = all_ = 0;  // the avatar may have changed
     since_ns_ = 0;
+    refusal_ = nullptr;
     has_root_ = rootless_;
   }
   Remember(frame);
   if (frame.bones == 0) return;
   if (since_ns_ == 0) since_ns_ = frame.received_ns;
-  if (!merged_.fingers && AwaitsRoot(frame, out)) {
+  if (!merged_.fingers && (IsPartial(frame, out) || AwaitsRoot(frame, out))) {
     before_ = frame.bones;
     return;
   }
@@ -168,6 +182,28 @@ void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out)
   stream_.Send(pose_, info, out);
 }
 
+// Whether the sender lacks bones of a body. Bones that came in the last half second count.
+bool Sender::IsPartial(const vmc::Frame& frame, Outbox& out) {
+  if (bones_ != 0 || !judges_) return false;
+  const BoneSet now = frame.bones | (frame.missing & ~frame.stale);
+  if ((bindable_ & ~now) == 0) return false;
+  if (frame.received_ns - since_ns_ < kPatience_ns) {
+    out.Refuse(Counter::kSourceIncomplete);
+    return true;
+  }
+  // The reason names all bones that ever came, so that tracked hands that come and go do not change
+  // it with every frame.
+  const BoneSet whole = (bindable_ & ~(all_ | now)) == 0 ? now : all_ | now;
+  if (refusal_ == nullptr || whole != all_) {
+    out.LeaveHotSection();
+    all_ = whole;
+    refusal_ = std::make_shared<const std::string>(WhyNoPerformer(all_));
+    stream_.SetBody(MakeVmcBody(all_, positions_), out);
+  }
+  stream_.SendRefused(refusal_, frame.received_ns, out);
+  return true;
+}
+
 // Whether the place of the hips is unknown, because the root has not come yet.
 bool Sender::AwaitsRoot(const vmc::Frame& frame, Outbox& out) {
   if (has_root_) return false;
@@ -179,7 +215,8 @@ bool Sender::AwaitsRoot(const vmc::Frame& frame, Outbox& out) {
   if (std::exchange(rootless_noted_, true)) return false;
   out.Notice([this] {
     return stream_.performer() +
-           ": VMC sends no /VMC/Ext/Root/Pos, so the root is taken to be at the origin and not "
+           ": VMC sends no /VMC/Ext/Root/Pos, so the "
+           "root is taken to be at the origin and not "
            "turned: the hips' own position counts";
   });
   return false;
@@ -318,7 +355,9 @@ class Vmc final : public Translator {
       : performer_(config.performer.empty() ? config.name : config.performer),
         merged_{config.Merges("face"),
                 config.Merges("leftFingers") || config.Merges("rightFingers")},
-        devices_(config) {}
+        judges_(config.joints.empty()),
+        devices_(config),
+        face_(performer_) {}
 
   void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
               Outbox& out) override {
@@ -335,6 +374,7 @@ class Vmc final : public Translator {
       const bool alone = !merged_.face && !merged_.fingers;
       const bool devices = devices_.IsSender(peer.id) || VmcDevices::HasDevice(datagram);
       if (devices && alone) return devices_.Handle(datagram, peer.id, now_ns, out);
+      if (alone && !AnyBones(now_ns) && Has<vmc::Blend>(datagram)) WatchFace(peer, now_ns, out);
       // In single messages the root comes before the sender's first bone.
       if (const auto root = First<vmc::Root>(datagram)) early_root_ = {peer.id, root->transform};
       return out.Refuse(Counter::kSourceIgnored);
@@ -367,20 +407,54 @@ class Vmc final : public Translator {
   // Returns null if there are kMaxSenders and none of them was silent for 10 s.
   Sender* Add(const Peer& peer, std::int64_t now_ns, Outbox& out) {
     out.LeaveHotSection();
-    std::erase_if(senders_, [now_ns](const auto& sender) {
-      return now_ns - sender->seen_ns() > 10 * runtime::kSecond_ns;
-    });
+    std::erase_if(senders_,
+                  [now_ns](const auto& sender) { return now_ns - sender->seen_ns() > kSilent_ns; });
     if (senders_.size() >= kMaxSenders) return nullptr;
+    face_peer_ = 0;
     return senders_
-        .emplace_back(std::make_unique<Sender>(peer.id, performer_, merged_, rootless_noted_))
+        .emplace_back(
+            std::make_unique<Sender>(peer.id, performer_, merged_, judges_, rootless_noted_))
         .get();
+  }
+
+  bool AnyBones(std::int64_t now_ns) const {
+    return std::ranges::any_of(senders_, [now_ns](const auto& sender) {
+      return now_ns - sender->seen_ns() <= kSilent_ns;
+    });
+  }
+
+  // Lists the performer as refused while a sender sends expressions and no bone.
+  void WatchFace(const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    if (peer.id != face_peer_) {
+      if (face_peer_ != 0 && now_ns - face_seen_ns_ < kFaceAlone_ns) return;
+      face_peer_ = peer.id;
+      face_since_ns_ = now_ns;
+    }
+    face_seen_ns_ = now_ns;
+    if (now_ns - face_since_ns_ < kFaceAlone_ns) return;
+    if (face_refusal_ == nullptr) {
+      out.LeaveHotSection();
+      face_refusal_ = std::make_shared<const std::string>(
+          "VMC sends expressions and no bones: found a face, expected a body: "
+          "let the application "
+          "send bones, or give the face to a performer by merge_into and parts "
+          "= [\"face\"]");
+      face_.SetBody({}, out);
+    }
+    face_.SendRefused(face_refusal_, now_ns, out);
   }
 
   std::string performer_;
   Merged merged_;
+  bool judges_;  // whether bones are known by their names alone
   VmcDevices devices_;
   bool rootless_noted_ = false;
   std::pair<std::uint64_t, vmc::Transform> early_root_{};  // by its sender; 0: none
+  // The sender of expressions alone: its address (0: none), and the performer without a body.
+  std::uint64_t face_peer_ = 0;
+  std::int64_t face_since_ns_ = 0, face_seen_ns_ = 0;
+  std::shared_ptr<const std::string> face_refusal_;
+  PerformerStream face_;
   std::vector<std::unique_ptr<Sender>> senders_;
 };
 

@@ -22,6 +22,10 @@ namespace styled::source {
 // Time        The sender's T in seconds; where there is none, the time of arrival continues it.
 // Root        No frame leaves before /VMC/Ext/Root/Pos came from the sender: the hips would be at a
 //             wrong place. A sender without a root for 1 s is at the origin, which is noted once.
+// Partial     Of a sender that lacks bones of a body for 1 s (hands and head alone, no legs), no
+//             frame leaves: its performer is listed as refused, with the reason, which is logged
+//             once. With `joints` the pipeline judges the bones. A sender of expressions alone is
+//             the same after 2 s, if no other sender has bones.
 // Face        Expressions (256 blend shapes with UTF-8 names) and up to 8 messages under /VMC/Thru.
 // Merged      With `merge_into`, a face needs no bones, and fingers need no bones but a hand's. The
 //             rotation of the hand itself does not matter: senders of hands alone give it in the
@@ -30,8 +34,8 @@ namespace styled::source {
 //             vmc_devices.h, device_rig.h. `trackers` gives each serial its part. One such sender
 //             per port.
 // Session     A new one where the assembler sees the sender restart (proto/rigs/vmc/assembler.h).
-// Refused     source.malformed; source.ignored; source.incomplete, also for frames before the
-//             root; pipeline.duplicate and pipeline.reordered;
+// Refused     source.malformed; source.ignored; source.incomplete, also for frames that wait for
+//             a root or bones; pipeline.duplicate and pipeline.reordered;
 //             pipeline.second_sender for a ninth sender while eight are live.
 // Pinned by tests/unit/vmc/translator_test.cpp.
 std::unique_ptr<Translator> MakeVmc(const config::Source& config);

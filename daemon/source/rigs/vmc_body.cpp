@@ -45,6 +45,18 @@ bool AllZero(vmc::BoneSet bones, const BonePositions& positions) {
   return true;
 }
 
+// The names of up to `most` bones: "Head, LeftHand and 12 more".
+std::string Names(vmc::BoneSet bones, int most) {
+  std::string names;
+  int count = 0;
+  for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
+    if (!vmc::Has(bones, bone) || ++count > most) continue;
+    names +=
+        (names.empty() ? "" : ", ") + std::string(vmc::kBones[static_cast<std::size_t>(bone)].name);
+  }
+  return count > most ? names + " and " + std::to_string(count - most) + " more" : names;
+}
+
 // The hips' height above the lowest bone in the T-pose.
 float HipsHeight_m(const rig::Skeleton& skeleton) {
   float lowest_m = 0;
@@ -73,6 +85,35 @@ vmc::BoneSet RequiredBones() {
   return bones;
 }
 
+vmc::BoneSet BindableBones() {
+  vmc::BoneSet bones = RequiredBones();
+  for (const int bone :
+       {vmc::kSpine, vmc::kLeftHand, vmc::kRightHand, vmc::kLeftFoot, vmc::kRightFoot}) {
+    bones &= ~vmc::Bit(bone);
+  }
+  return bones;
+}
+
+std::string WhyNoPerformer(vmc::BoneSet bones) {
+  constexpr vmc::BoneSet kLegs = vmc::Bit(vmc::kLeftUpperLeg) | vmc::Bit(vmc::kRightUpperLeg) |
+                                 vmc::Bit(vmc::kLeftLowerLeg) | vmc::Bit(vmc::kRightLowerLeg);
+  constexpr vmc::BoneSet kArms = vmc::Bit(vmc::kLeftUpperArm) | vmc::Bit(vmc::kRightUpperArm) |
+                                 vmc::Bit(vmc::kLeftLowerArm) | vmc::Bit(vmc::kRightLowerArm);
+  constexpr vmc::BoneSet kOfHands =
+      vmc::kFingers | vmc::Bit(vmc::kLeftHand) | vmc::Bit(vmc::kRightHand);
+  constexpr int kMostFound = 8;
+  std::string why = (bones & kLegs) == 0   ? "VMC sends no leg bones: found "
+                    : (bones & kArms) == 0 ? "VMC sends no arm bones: found "
+                                           : "VMC sends not all bones of a body: found ";
+  why += Names(bones, kMostFound) + ", missing " +
+         Names(BindableBones() & ~bones, vmc::kBoneCount) +
+         ", expected a whole body: let the application send all bones of its avatar";
+  if ((bones & vmc::kFingers) != 0 && (bones & ~kOfHands) == 0) {
+    why += R"(, or give its fingers to a performer by merge_into and parts = ["fingers"])";
+  }
+  return why;
+}
+
 rig::RigBody MakeVmcBody(vmc::BoneSet bones, const BonePositions& positions) {
   static const auto kCanonical = CanonicalPositions();
   const bool ours = AllZero(bones, positions);
@@ -90,7 +131,10 @@ rig::RigBody MakeVmcBody(vmc::BoneSet bones, const BonePositions& positions) {
     if (parent < 0) offset.setZero();
     joint_of[at] = skeleton.joint_count();
     skeleton.names.emplace_back(vmc::kBones[at].name);
-    skeleton.parents.push_back(parent < 0 ? -1 : joint_of[static_cast<std::size_t>(parent)]);
+    const bool first = skeleton.parents.empty();
+    skeleton.parents.push_back(first        ? -1
+                               : parent < 0 ? 0
+                                            : joint_of[static_cast<std::size_t>(parent)]);
     skeleton.offsets.push_back(offset);
   }
   skeleton.offsets.front().y() = HipsHeight_m(skeleton);

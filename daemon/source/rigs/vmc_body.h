@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "model/rig/skeleton.h"
 #include "proto/rigs/vmc/bones.h"
@@ -15,9 +16,18 @@ vmc::BoneSet CanonicalBones();
 // The bones that every VRM model has.
 vmc::BoneSet RequiredBones();
 
-// The body made of `bones`, which must include the hips: right-handed, joints in the order of
+// The bones without which a body cannot be bound (rig::BindDialect), unless other joints are named
+// in their place by hand.
+vmc::BoneSet BindableBones();
+
+// Why no performer can be made of a sender of `bones`, which lack some of BindableBones(): "VMC
+// sends no leg bones: found Head, ..., missing Hips, ..., expected ...". Allocates.
+std::string WhyNoPerformer(vmc::BoneSet bones);
+
+// The body made of `bones`, at least one: right-handed, joints in the order of
 // vmc::kParentsFirst, identity rest rotations as in VRM's normalized humanoid. If all positions but
 // the hips' are zero, as some senders leave them, the bones get the canonical humanoid's lengths.
+// Without hips, bones hang from the first one: such a body is only sent to be refused.
 rig::RigBody MakeVmcBody(vmc::BoneSet bones, const BonePositions& positions);
 
 }  // namespace styled::source

@@ -345,6 +345,93 @@ TEST(VmcTranslator, ASenderWithoutRootIsAtTheOriginAfterASecondAndThatIsSaidOnce
   EXPECT_THAT(translation.notes[0], ::testing::HasSubstr("stage: VMC sends no /VMC/Ext/Root/Pos"));
 }
 
+// What a sender of these bones is refused for, after `seconds`; "": it is not.
+std::vector<std::string> Refusals(const std::vector<std::string>& bones,
+                                  const config::Source& config = Config(), int seconds = 20) {
+  Translated translation(MakeVmc(config));
+  std::vector<std::string> refusals;
+  int bodies = 0;
+  for (int i = 0; i < 60 * seconds; ++i) {
+    std::vector<Bytes> messages{TimeMessage(static_cast<float>(i) / 60), RootMessage()};
+    for (const std::string& bone : bones) messages.push_back(BoneMessage(bone, 0.1F));
+    messages.push_back(BlendMessage("Joy", 0.5F));
+    for (const auto& item : SaidWithSilence(translation, Bundle(messages))) {
+      EXPECT_FALSE(item.is_frame && !item.refusal.empty());
+      if (!item.is_frame && !item.refusal.empty()) ++bodies;
+      if (item.is_frame || item.refusal.empty()) continue;
+      if (refusals.empty() || refusals.back() != item.refusal) refusals.push_back(item.refusal);
+    }
+    EXPECT_TRUE(i > 55 || bodies == 0) << "it may be the end of a frame";
+  }
+  EXPECT_TRUE(translation.notes.empty()) << "the pipeline logs it";
+  EXPECT_LE(bodies, 2 * seconds + 1) << "twice a second is enough to be listed";
+  if (!refusals.empty()) EXPECT_GE(bodies, 3 * seconds / 2);
+  return refusals;
+}
+
+TEST(VmcTranslator, AnUpperBodyHandsOrAFaceAreRefusedForOneReasonThatNamesBones) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(Refusals({"LeftHand", "RightHand", "Head"}),
+              ElementsAre("VMC sends no leg bones: found Head, LeftHand, RightHand, missing Hips, "
+                          "LeftUpperLeg, RightUpperLeg, LeftLowerLeg, RightLowerLeg, LeftUpperArm, "
+                          "RightUpperArm, LeftLowerArm, RightLowerArm, expected a whole body: let "
+                          "the application send all bones of its avatar"));
+  EXPECT_THAT(Refusals({"Hips", "Spine", "Chest", "Neck", "Head", "LeftShoulder", "LeftUpperArm",
+                        "LeftLowerArm", "LeftHand", "RightUpperArm", "RightLowerArm"}),
+              ElementsAre("VMC sends no leg bones: found Hips, Spine, Chest, Neck, Head, "
+                          "LeftShoulder, LeftUpperArm, RightUpperArm and 3 more, missing "
+                          "LeftUpperLeg, RightUpperLeg, LeftLowerLeg, RightLowerLeg, expected a "
+                          "whole body: let the application send all bones of its avatar"));
+  EXPECT_THAT(Refusals({"LeftIndexProximal", "LeftHand"}),
+              ElementsAre(::testing::EndsWith(
+                  "or give its fingers to a performer by merge_into and parts = [\"fingers\"]")));
+  EXPECT_THAT(
+      Refusals({"Hips", "Head", "LeftUpperLeg", "RightUpperLeg", "LeftLowerLeg", "RightLowerLeg"}),
+      ElementsAre(::testing::StartsWith("VMC sends no arm bones: found Hips,")));
+  EXPECT_THAT(Refusals({}), ElementsAre(::testing::StartsWith(
+                                "VMC sends expressions and no bones: found a face, expected")));
+}
+
+TEST(VmcTranslator, WithJointNamesSetByHandThePipelineJudgesTheBones) {
+  config::Source config = Config();
+  config.joints = {{"head", "Neck"}};
+  EXPECT_THAT(Refusals({"Hips", "Neck", "LeftUpperLeg"}, config, 3), ::testing::IsEmpty());
+}
+
+// An application that tracks the legs from its third second on.
+TEST(VmcTranslator, ASenderIsAPerformerAsSoonAsItSendsAWholeBody) {
+  Translated translation(MakeVmc(Config()));
+  Avatar whole, upper;
+  for (const char* side : {"Left", "Right"}) {
+    for (const char* bone : {"UpperLeg", "LowerLeg", "Foot"}) {
+      upper.Remove(std::string(side) + bone);
+    }
+  }
+  int refused = 0, frames = 0;
+  for (int i = 0; i < 300; ++i) {
+    const float time_s = static_cast<float>(i) / 60;
+    for (const auto& item :
+         SaidWithSilence(translation, i < 180 ? upper.At(time_s) : whole.At(time_s))) {
+      refused += !item.refusal.empty() ? 1 : 0;
+      frames += item.is_frame ? 1 : 0;
+      if (i >= 180) EXPECT_TRUE(item.refusal.empty());
+    }
+  }
+  EXPECT_GT(refused, 2);
+  EXPECT_GE(frames, 118);
+}
+
+// A face beside a body: only the body counts.
+TEST(VmcTranslator, AFaceOfAnotherApplicationIsNotListedBesideABody) {
+  Translated translation(MakeVmc(Config()));
+  const Avatar avatar;
+  for (int i = 0; i < 300; ++i) {
+    const float time_s = static_cast<float>(i) / 60;
+    EXPECT_TRUE(Said(translation, Bundle({TimeMessage(time_s), BlendMessage("A", 1)}), 2).empty());
+    EXPECT_FALSE(SaidWithSilence(translation, avatar.At(time_s), 1).empty());
+  }
+}
+
 TEST(VmcTranslator, BonesAreAsLongAsOursWhereAllPositionsAreZero) {
   Translated translation(MakeVmc(Config()));
   Avatar avatar;
