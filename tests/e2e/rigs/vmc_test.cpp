@@ -7,6 +7,7 @@
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/support/rig_run.h"
+#include "tests/unit/vmc/bytes.h"
 
 namespace styled::support {
 namespace {
@@ -99,6 +100,36 @@ TEST(VmcRigTest, TheSecondSenderOnAPortIsRefusedWhileTheFirstIsLive) {
   }
   ControlClient control(daemon.control);
   EXPECT_GT(control.Counter("pipeline.second_sender"), 50U);
+}
+
+// For ten seconds, an application that tracks no legs.
+TEST(VmcRigTest, ASenderOfHandsAndHeadIsOneRefusedRowAndItsReasonIsLoggedOnce) {
+  Daemon daemon({}, "[[source]]\nname = \"suit\"\ntype = \"vmc\"\nlisten = \"127.0.0.1:0\"\n");
+  const UdpLink link(daemon.listens.at(2));
+  ControlClient control(daemon.control);
+  const std::string reason =
+      "VMC sends no leg bones: found Head, LeftHand, RightHand, missing Hips";
+  Paced(600, 60, [&](int i) {
+    std::vector<vmc::testing::Bytes> messages{
+        vmc::testing::TimeMessage(static_cast<float>(i) / 60)};
+    for (const char* bone : {"Head", "LeftHand", "RightHand"}) {
+      messages.push_back(vmc::testing::BoneMessage(bone, 0.1F));
+    }
+    link.Send(vmc::testing::Bundle(messages));
+    if (i < 180 || i % 45 != 0) return;
+    const auto status = control.Status();
+    ASSERT_EQ(status.stats().performers_size(), 1);
+    const v1::PerformerStats& row = status.stats().performers(0);
+    EXPECT_EQ(row.performer(), "suit.suit");
+    EXPECT_EQ(row.refused_as(), "pipeline.bodies_refused");
+    EXPECT_FALSE(row.live());
+    EXPECT_EQ(row.warning().find(reason), 0U) << row.warning();
+  });
+  EXPECT_EQ(control.Counter("pipeline.frames"), 0U);
+  const std::string log = daemon.Log();
+  const std::size_t at = log.find("suit.suit: " + reason);
+  ASSERT_NE(at, std::string::npos) << log;
+  EXPECT_EQ(log.find("leg bones", at + reason.size()), std::string::npos) << log;
 }
 
 }  // namespace
