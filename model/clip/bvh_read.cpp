@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,7 +69,7 @@ bool IsNoNumber(std::string_view word) {
   return SameWord(begin, "nan") || SameWord(begin, "inf") || word.starts_with("1.#");
 }
 
-// Splits the text into words and lines.
+// Splits the text into words and lines, which end with LF, CRLF or CR.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {
@@ -83,20 +82,21 @@ class Scanner {
   // The next word, across line ends; empty at the end of the text. "{" and "}" are words.
   std::string_view Word() {
     while (at_ < text_.size() && (IsBlank(text_[at_]) || text_[at_] == '\n')) {
-      if (text_[at_++] == '\n') ++line_;
+      if (AtLineEnd()) ++line_;
+      ++at_;
     }
     return ReadWord();
   }
   // The next word on this line; empty if there is none.
   std::string_view WordOnLine() {
-    while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
-    return at_ < text_.size() && text_[at_] != '\n' ? ReadWord() : std::string_view();
+    SkipBlanks();
+    return at_ < text_.size() && !AtLineEnd() ? ReadWord() : std::string_view();
   }
   // The rest of this line without surrounding blanks, up to a brace, which is not consumed.
   std::string_view RestOfLine() {
-    while (at_ < text_.size() && IsBlank(text_[at_])) ++at_;
+    SkipBlanks();
     const std::size_t begin = at_;
-    while (at_ < text_.size() && text_[at_] != '\n' && text_[at_] != '{' && text_[at_] != '}') {
+    while (at_ < text_.size() && !AtLineEnd() && text_[at_] != '{' && text_[at_] != '}') {
       ++at_;
     }
     std::size_t end = at_;
@@ -105,6 +105,13 @@ class Scanner {
   }
 
  private:
+  bool AtLineEnd() const {
+    return text_[at_] == '\n' ||
+           (text_[at_] == '\r' && (at_ + 1 == text_.size() || text_[at_ + 1] != '\n'));
+  }
+  void SkipBlanks() {
+    while (at_ < text_.size() && IsBlank(text_[at_]) && !AtLineEnd()) ++at_;
+  }
   std::string_view ReadWord() {
     const std::size_t begin = at_;
     if (at_ < text_.size() && (text_[at_] == '{' || text_[at_] == '}')) {
@@ -522,8 +529,8 @@ class Parser {
 }  // namespace
 
 Result<Clip> ParseBvh(std::string_view text, const std::string& name, const ReadLimits& limits) {
-  const std::optional<std::string> plain = PlainText(text);
-  return Parser(plain ? *plain : text, name, limits).Run();
+  std::string utf8;
+  return Parser(PlainText(text, utf8), name, limits).Run();
 }
 
 Result<Clip> ReadBvh(const std::filesystem::path& file) {

@@ -1,6 +1,5 @@
 #include "model/clip/plain_text.h"
 
-#include <algorithm>
 #include <cstdint>
 
 namespace styled::clip {
@@ -48,20 +47,11 @@ std::string FromUtf16(std::string_view text, std::size_t low, std::size_t high) 
 
 }  // namespace
 
-std::optional<std::string> PlainText(std::string_view text) {
-  std::optional<std::string> plain;
-  if (text.starts_with("\xFF\xFE")) plain = FromUtf16(text.substr(2), 0, 1);
-  if (text.starts_with("\xFE\xFF")) plain = FromUtf16(text.substr(2), 1, 0);
-  std::string_view now = plain ? std::string_view(*plain) : text;
-  const std::size_t last = now.find_last_not_of(std::string_view("\0\x1A", 2));
-  const std::size_t size = last == std::string_view::npos ? 0 : last + 1;
-  const bool lone =
-      now.find('\n') == std::string_view::npos && now.find('\r') != std::string_view::npos;
-  if (size == now.size() && !lone) return plain;
-  if (!plain) plain.emplace(now);
-  plain->resize(size);
-  if (lone) std::replace(plain->begin(), plain->end(), '\r', '\n');
-  return plain;
+std::string_view PlainText(std::string_view text, std::string& utf8) {
+  if (text.starts_with("\xFF\xFE")) text = utf8 = FromUtf16(text.substr(2), 0, 1);
+  if (text.starts_with("\xFE\xFF")) text = utf8 = FromUtf16(text.substr(2), 1, 0);
+  const std::size_t last = text.find_last_not_of(std::string_view("\0\x1A", 2));
+  return text.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
 }  // namespace styled::clip

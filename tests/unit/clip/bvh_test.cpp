@@ -304,8 +304,9 @@ TEST(Bvh, ReadsTextsOfOtherSystems) {
   std::string mac = kSmall;
   std::replace(mac.begin(), mac.end(), '\n', '\r');
   const std::string end = std::string(kSmall) + "\x1A" + std::string(3, '\0');
-  for (const std::string& text :
-       {mac, end, Utf16(kSmall, false), Utf16(kSmall, true), Utf16(mac, false) + '\x1A' + '\0'}) {
+  const std::string one = With("0 0 90\n7", "0 0 90\r7"), twice = With("{\n", "{\r\r\n");
+  for (const std::string& text : {mac, one, twice, end, Utf16(kSmall, false), Utf16(kSmall, true),
+                                  Utf16(mac, false) + '\x1A' + '\0'}) {
     const Result<Clip> clip = ParseBvh(text, "x");
     ASSERT_TRUE(clip.ok()) << clip.status().message();
     EXPECT_EQ(clip.value().skeleton, ParseBvh(kSmall, "x").value().skeleton);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <functional>
@@ -120,7 +121,17 @@ std::vector<HostileFile> BvhFiles() {
   std::string row = Times(3 * body::kJointCount, "0 ");
   row.back() = '\n';
   const std::string small = Humanoid(kTurns, kTurns);
+  // The most that frames may take: rows that Frames: does not announce, of many joints.
+  std::string most = WithRows(flat(200, one, 60), Times(59, "0 ") + "0\n", kFile);
+  const std::size_t frames = most.find("Frames: ");
+  most.replace(frames, most.find('\n', frames) - frames, "Frames: 1");
+  std::string returns = most + std::string(1, '\0'), wide = "\xFF\xFE";
+  std::replace(returns.begin(), returns.end(), '\n', '\r');
+  for (const char c : most) wide += {c, '\0'};
   return {
+      {"rows that are not announced", most, few},
+      {"the same in lines of Mac OS, with a NUL at the end", returns, few},
+      {"the same in UTF-16", wide, few},
       {"one joint too many", WithRows(flat(1024, one, 130), Times(129, "0 ") + "0\n", kFile),
        "one more joint, expected at most 256"},
       {"joints without channels", WithRows(flat(8, one), "0\n", kFile), few},
