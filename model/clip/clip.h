@@ -46,8 +46,9 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 // Reads a BVH file or text. Accepts any hierarchy, channel order and count, CRLF, CR or LF, UTF-8
 // or UTF-16, NUL and Ctrl-Z at the end, tabs, End Sites of any name, position channels on any
 // joint, 1 to 1000 Hz (0.0333333 s is read as 30 Hz). Position channels replace the OFFSET, also at
-// the root: positions are absolute, not added to it. Angles are degrees, applied in channel order
-// (intrinsic); the resulting rotations are continuous in sign over time.
+// the root: positions are absolute, not added to it; an axis without a channel keeps the OFFSET.
+// Angles are degrees, applied in channel order (intrinsic); the resulting rotations are continuous
+// in sign over time.
 //
 // The oddities that Blender's importer or many exporters tolerate are read, too, with a remark:
 // more or fewer rows than Frames: says; rows of several lines, if the first row is one; values that
@@ -60,7 +61,8 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 // more than 256 bytes, and content beyond `limits`. The frames take at most 6 times the text's
 // bytes and 2 MiB: rows of joints that have hardly a channel are refused. Time in proportion to the
 // text. Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the
-// line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp.
+// line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp, and by Blender's
+// importer in tests/witness/blender.
 Result<Clip> ReadBvh(const std::filesystem::path& file);
 Result<Clip> ParseBvh(std::string_view text, const std::string& name,
                       const ReadLimits& limits = {});
