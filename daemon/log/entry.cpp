@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "model/base/text.h"
 #include "proto/styled/timecode_message.h"
 
 namespace styled::log {
@@ -95,6 +97,7 @@ void Write(const decide::FrameInTransit& transit, v1::Handled& entry) {
   entry.set_body_crc(frame.body_crc);
   entry.set_is_body(frame.is_body);
   if (frame.is_body) {
+    if (frame.refusal != nullptr) entry.set_refusal(*frame.refusal);
     if (frame.body != nullptr) {
       frame.body->SerializeToString(entry.mutable_body());
     } else {
@@ -129,7 +132,11 @@ bool Read(const v1::Handled& entry, source::SourceFrame& frame, decide::FrameInT
   frame.body_crc = entry.body_crc();
   frame.is_body = entry.is_body();
   if (frame.is_body) {
+    constexpr std::size_t kLongest = 2000;
     frame.body_bytes = Bytes(entry.body());
+    if (!entry.refusal().empty()) {
+      frame.refusal = std::make_shared<const std::string>(Printable(entry.refusal(), kLongest));
+    }
     return true;
   }
   frame.source_time_ns = entry.source_time_ns();

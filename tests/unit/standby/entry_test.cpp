@@ -123,5 +123,23 @@ TEST(EntryTest, TheJournalContainsTheRoundedPose) {
   EXPECT_EQ(Compare(Styled(0x12, bytes), back), Comparison::kLastBits);
 }
 
+// A leader's line is one line of the standby's log, whatever it contains.
+TEST(EntryTest, TheJournalContainsWhyABodyIsRefused) {
+  const auto read = [](const char* refusal) -> std::string {
+    source::SourceFrame body, copy;
+    body.is_body = true;
+    if (refusal != nullptr) body.refusal = std::make_shared<const std::string>(refusal);
+    FrameInTransit transit;
+    transit.given = &body;
+    v1::Handled entry;
+    Write(transit, entry);
+    EXPECT_TRUE(Read(entry, copy, transit));
+    return copy.refusal == nullptr ? "none" : *copy.refusal;
+  };
+  EXPECT_EQ(read(nullptr), "none");
+  EXPECT_EQ(read("VMC sends no leg bones"), "VMC sends no leg bones");
+  EXPECT_EQ(read("a\nb"), "a\\nb");
+}
+
 }  // namespace
 }  // namespace styled::log

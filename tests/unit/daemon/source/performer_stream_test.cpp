@@ -57,6 +57,26 @@ TEST(PerformerStream, SendsTheBodyFirstAndAgainEverySecond) {
   EXPECT_EQ(f.undecodable, 0);
 }
 
+TEST(PerformerStream, ARefusedBodyIsSentAloneTwiceASecondWithTheReason) {
+  Fixture f;
+  const auto why = std::make_shared<const std::string>("it has no legs");
+  const auto refuse = [&] {
+    f.outbox.Open(f, -1);
+    f.stream.SendRefused(why, f.now_ns, f.outbox);
+    f.outbox.Close();
+    f.now_ns += 100'000'000;
+  };
+  refuse();
+  EXPECT_TRUE(f.items.empty()) << "there is no body yet";
+  f.SetBody();
+  for (int i = 0; i < 10; ++i) refuse();
+  ASSERT_EQ(f.items.size(), 2U);
+  for (const auto& item : f.items) {
+    EXPECT_FALSE(item.is_frame);
+    EXPECT_EQ(item.refusal, *why);
+  }
+}
+
 TEST(PerformerStream, LostFramesShowInTheSequenceAndARestartInTheSession) {
   Fixture f;
   f.SetBody();
