@@ -387,21 +387,28 @@ void FrameProcessor::ProcessBody(int source, FrameInTransit& transit) {
     return performance_.counters.AddOf(source, transit.decision.reason);
   }
   if (fresh) performer->SetFingers(performance_.layers.FingersOf(performer->profile.id));
+  if (body.refusal != nullptr) return RefuseBody(*performer, transit);
   transit.decision = performance_.decider.OfBody(performer->admission, body, receive_ns_);
   CountArrival(*performer, transit.decision);
   transit.source_sequence = body.sequence;
   transit.arrival_ns = ArrivalOf(body);
   if (transit.decision.reason != Decision::kNoReason) return Refuse(*performer, transit);
-  if (body.refusal != nullptr) return RefuseBody(*performer, transit);
   performer->refusal = nullptr;
   AdoptBody(*performer, transit, fresh);
 }
 
-// The performer is listed while such bodies come; the log has the reason once.
+// The performer is listed while such bodies come; the log has the reason once. They are not
+// admitted as datagrams of the performer, so that a sender of a whole body does not wait for their
+// end.
 void FrameProcessor::RefuseBody(Performer& performer, FrameInTransit& transit) {
   const source::SourceFrame& body = *transit.given;
-  transit.decision.reason = Counter::kPipelineBodiesRefused;
+  const bool live = performer.admission.live();
+  transit.source_sequence = body.sequence;
+  transit.arrival_ns = ArrivalOf(body);
+  transit.decision.reason = live ? Counter::kPipelineSecondSender : Counter::kPipelineBodiesRefused;
   Refuse(performer, transit);
+  if (live) return;
+  performer.refused_ns = receive_ns_;
   const bool known = performer.refusal != nullptr && *performer.refusal == *body.refusal;
   performer.refusal = body.refusal;
   if (known) return;

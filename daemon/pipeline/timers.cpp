@@ -23,7 +23,8 @@ std::int64_t StaleAt_ns(const Performer& performer, const config::Performers& li
 }
 
 std::int64_t ForgottenAt_ns(const Performer& performer, const config::Performers& limits) {
-  return performer.admission.session.last_arrival_ns() + Nanoseconds(limits.forget_s);
+  return std::max(performer.admission.session.last_arrival_ns(), performer.refused_ns) +
+         Nanoseconds(limits.forget_s);
 }
 
 }  // namespace

@@ -140,6 +140,7 @@ class Performer {
   int newest_in_batch = -1;                    // used by the pipeline within a batch
   std::optional<std::int64_t> timecode;        // TimecodeLabel of the last frame with a timecode
   std::shared_ptr<const std::string> refusal;  // of the last body (SourceFrame); null: none
+  std::int64_t refused_ns = 0;                 // when that body came
 
  private:
   // Rebuilds everything that depends on the body in binding_.

@@ -130,6 +130,21 @@ TEST(VmcRigTest, ASenderOfHandsAndHeadIsOneRefusedRowAndItsReasonIsLoggedOnce) {
   const std::size_t at = log.find("suit.suit: " + reason);
   ASSERT_NE(at, std::string::npos) << log;
   EXPECT_EQ(log.find("leg bones", at + reason.size()), std::string::npos) << log;
+  // Another application sends a whole body: it is the performer, whatever the first one sends.
+  const UdpLink other(daemon.listens.at(2));
+  auto rig = rigs::MakeVmc({});
+  const body::Pose pose;
+  Paced(120, 60, [&](int i) {
+    link.Send(vmc::testing::Bundle({vmc::testing::TimeMessage(11 + static_cast<float>(i) / 60),
+                                    vmc::testing::BoneMessage("Head", 0.1F)}));
+    rig.value()->Encode(
+        {static_cast<std::uint64_t>(i), i / 60.0, {&pose, 1}},
+        [&](std::span<const std::byte> bytes) { other.Send(Bytes(bytes.begin(), bytes.end())); });
+  });
+  const v1::PerformerStats row = control.Performer("suit.suit");
+  EXPECT_TRUE(row.live());
+  EXPECT_EQ(row.warning(), "");
+  EXPECT_GT(row.published(), 100U);
 }
 
 }  // namespace
