@@ -61,8 +61,8 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 // more than 256 bytes, and content beyond `limits`. The frames take at most 6 times the text's
 // bytes and 2 MiB: rows of joints that have hardly a channel are refused. Time in proportion to the
 // text. Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the
-// line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp, and by Blender's
-// importer in tests/witness/blender.
+// line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp, and by
+// Blender's importer in tests/witness/blender.
 Result<Clip> ReadBvh(const std::filesystem::path& file);
 Result<Clip> ParseBvh(std::string_view text, const std::string& name,
                       const ReadLimits& limits = {});
