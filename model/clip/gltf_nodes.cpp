@@ -15,15 +15,22 @@ using nlohmann::json;
 using rig::Quat;
 using rig::Vec3;
 
-constexpr float kEven = 0.01F;  // scales whose axes differ by less count as uniform
+constexpr float kEven = 0.01F;   // scales whose axes differ by less count as uniform
+constexpr double kLeast = 1e-9;  // scales below it, or above its inverse, count as 0 or infinite
 constexpr std::size_t kMaxNodes = 1 << 16;
 constexpr std::size_t kMaxName = 256;  // bytes of a node's name that are kept
 
-Status RefuseNode(int node, const std::string& what) {
-  return Status::Error("node " + std::to_string(node) + " " + what + ", expected a tree of bones");
+Status RefuseNode(const Model& model, int node, const std::string& what,
+                  const std::string& expected = "a tree of bones") {
+  constexpr std::size_t kShownName = 64;
+  const std::string& name = model.nodes[static_cast<std::size_t>(node)].name;
+  return Status::Error("node " + std::to_string(node) +
+                       (name.empty() ? "" : " \"" + Shown(name.substr(0, kShownName)) + "\"") +
+                       " " + what + ", expected " + expected);
 }
 
-Result<Transform> LocalOf(const Node& node) {
+// A node's transform; of one with a flaw only its translation.
+std::pair<Transform, Nodes::Flaw> LocalOf(const Node& node) {
   Eigen::Affine3d affine = Eigen::Affine3d::Identity();
   const auto has = [](const std::vector<double>& values, std::size_t size) {
     return values.size() == size;
@@ -41,22 +48,24 @@ Result<Transform> LocalOf(const Node& node) {
       affine.scale(Eigen::Map<const Eigen::Vector3d>(node.scale.data()));
     }
   }
+  Transform local;
+  const Vec3 translation = affine.translation().cast<float>();
+  if (translation.allFinite()) local.translation = translation;
   // Only rotation and uniform scale can be bound: the columns must be equally long and not
   // mirrored.
   const Eigen::Matrix3d linear = affine.linear();
   const Eigen::Vector3d lengths = linear.colwise().norm();
   const double size = lengths.mean();
-  if (!affine.matrix().allFinite() || !(size > 1e-9) || !(linear.determinant() > 0)) {
-    return Status::Error("has a transform that is not a rotation and scale");
+  if (!translation.allFinite() || !linear.allFinite() || !(size > kLeast && size < 1 / kLeast) ||
+      !(linear.determinant() > 0)) {
+    return {local, Nodes::Flaw::kNotRigid};
   }
   if ((lengths.array() - size).abs().maxCoeff() > kEven * size) {
-    return Status::Error("is stretched unevenly");
+    return {local, Nodes::Flaw::kUneven};
   }
-  Transform local;
-  local.translation = affine.translation().cast<float>();
   local.rotation = Quat(Eigen::Matrix3f((linear / size).cast<float>())).normalized();
   local.scale = static_cast<float>(size);
-  return local;
+  return {local, Nodes::Flaw::kNone};
 }
 
 std::optional<int> ToIndex(const json& value) {
@@ -161,7 +170,35 @@ Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
   return humanoid;
 }
 
-// The bones below the hips with all nodes between them, parents first, children in file order.
+// Whether the nodes from the root to the hips and to the mapped bones below them can be bound.
+Status CheckChains(const Model& model, const Nodes& nodes, const Humanoid& humanoid) {
+  const int hips = humanoid.joint[body::kHips];
+  const std::vector<bool> below = nodes.Below(hips);
+  std::vector<bool> chain(below.size(), false);
+  const auto add = [&](int node) {
+    for (; node >= 0 && !chain[static_cast<std::size_t>(node)]; node = nodes.parent(node)) {
+      chain[static_cast<std::size_t>(node)] = true;
+    }
+  };
+  add(hips);
+  const auto add_below = [&](int node) {
+    if (node >= 0 && below[static_cast<std::size_t>(node)]) add(node);
+  };
+  std::for_each(humanoid.joint.begin(), humanoid.joint.end(), add_below);
+  std::for_each(humanoid.tail.begin(), humanoid.tail.end(), add_below);
+  for (int node = 0; node < static_cast<int>(chain.size()); ++node) {
+    if (!chain[static_cast<std::size_t>(node)] || nodes.flaw(node) == Nodes::Flaw::kNone) continue;
+    return RefuseNode(model, node,
+                      nodes.flaw(node) == Nodes::Flaw::kUneven
+                          ? "is stretched unevenly"
+                          : "has a transform that is not a rotation and scale",
+                      "the same positive scale along all axes on the way to the humanoid's bones");
+  }
+  return Status::Ok();
+}
+
+// The bones below the hips with all nodes between them, parents first, children in file order;
+// without flawed nodes and what hangs from them.
 std::vector<int> Gather(const Model& model, const Nodes& nodes, int hips,
                         const std::set<int>& bones) {
   const std::vector<bool> below = nodes.Below(hips);
@@ -180,7 +217,8 @@ std::vector<int> Gather(const Model& model, const Nodes& nodes, int hips,
     order.push_back(node);
     const auto& children = model.nodes[static_cast<std::size_t>(node)].children;
     for (auto child = children.rbegin(); child != children.rend(); ++child) {
-      if (wanted.contains(*child)) open.push_back(*child);
+      const bool flawed = nodes.flaw(*child) != Nodes::Flaw::kNone;
+      if (!flawed && wanted.contains(*child)) open.push_back(*child);
     }
   }
   return order;
@@ -238,19 +276,22 @@ Result<Nodes> Nodes::Make(const Model& model) {
   nodes.parents_.assign(model.nodes.size(), -1);
   for (int node = 0; node < count; ++node) {
     for (const int child : model.nodes[static_cast<std::size_t>(node)].children) {
-      if (child < 0 || child >= count) return RefuseNode(node, "has a child that does not exist");
+      if (child < 0 || child >= count)
+        return RefuseNode(model, node, "has a child that does not exist");
       int& parent = nodes.parents_[static_cast<std::size_t>(child)];
-      if (parent >= 0) return RefuseNode(child, "hangs from two nodes");
+      if (parent >= 0) return RefuseNode(model, child, "hangs from two nodes");
       parent = node;
     }
   }
   if (const int node = nodes.PutInOrder(model); node >= 0) {
-    return RefuseNode(node, "is its own ancestor");
+    return RefuseNode(model, node, "is its own ancestor");
   }
-  for (int node = 0; node < count; ++node) {
-    auto local = LocalOf(model.nodes[static_cast<std::size_t>(node)]);
-    if (!local.ok()) return RefuseNode(node, local.status().message());
-    nodes.locals_.push_back(local.value());
+  nodes.locals_.reserve(model.nodes.size());
+  nodes.flaws_.reserve(model.nodes.size());
+  for (const Node& node : model.nodes) {
+    const auto [local, flaw] = LocalOf(node);
+    nodes.locals_.push_back(local);
+    nodes.flaws_.push_back(flaw);
   }
   return nodes;
 }
@@ -312,6 +353,7 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
     return Status::Error(vrm ? "found a VRM humanoid without hips"
                              : "found no bone named like hips, expected a humanoid");
   }
+  if (const Status status = CheckChains(model, nodes, humanoid); !status.ok()) return status;
   auto order = Gather(model, nodes, hips, humanoid.bones);
   // Too many bones: drop fingers and the like, keep the mapped ones.
   if (order.size() > rig::kMaxSourceJoints) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -42,13 +43,22 @@ struct Transform {
   }
 };
 
-// The nodes of a file as a forest, with their transforms.
+// The nodes of a file as a forest, with their transforms. Time in proportion to the nodes.
 class Nodes {
  public:
+  // What keeps a node's transform from being a Transform.
+  enum class Flaw : std::uint8_t {
+    kNone,
+    kUneven,    // stretched by different scales
+    kNotRigid,  // of scale 0, mirrored, sheared, or not finite
+  };
+
   static Result<Nodes> Make(const Model& model);
 
   int parent(int node) const { return parents_[static_cast<std::size_t>(node)]; }
+  // Of a flawed node only the translation.
   const Transform& local(int node) const { return locals_[static_cast<std::size_t>(node)]; }
+  Flaw flaw(int node) const { return flaws_[static_cast<std::size_t>(node)]; }
   Transform World(int node) const;
   // Per node: whether it is `above` or a descendant of it.
   std::vector<bool> Below(int above) const;
@@ -59,6 +69,7 @@ class Nodes {
   std::vector<int> parents_;
   std::vector<int> order_;
   std::vector<Transform> locals_;
+  std::vector<Flaw> flaws_;
 };
 
 // The nodes that make the skeleton of the file's humanoid, hips first, and the skeleton.
@@ -66,6 +77,9 @@ struct Bones {
   std::vector<int> nodes;  // per joint
   GltfSkeleton skeleton;
 };
+// Refuses a flawed node between the root and a bone of the humanoid, fingers and the like included.
+// Other flawed nodes (a stretched hat, a hidden prop of scale 0), with what hangs from them, are
+// left out of the skeleton.
 Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::JointNames& given);
 
 // The value of an object's key; null if there is none.

@@ -146,6 +146,36 @@ TEST_F(AvatarWrite, TheFileIsReadOnce) {
   EXPECT_EQ(Bytes(out_), first) << "the second as the first";
 }
 
+// What is no bone is written as it was, whatever its scale, and a matrix stays one.
+TEST_F(AvatarWrite, NodesOfOddScaleStayAsTheyAre) {
+  json document = DocumentOf(Bytes(file_));
+  json& nodes = document["nodes"];
+  const std::size_t first = nodes.size();
+  for (const json& odd :
+       {json{{"name", "hat"}, {"scale", {1, 1.5, 1}}},
+        json{{"name", "sword"}, {"scale", {0, 0, 0}}},
+        json{{"name", "earring"}, {"matrix", {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1}}}}) {
+    nodes[body::kHead]["children"].push_back(nodes.size());
+    document["skins"][0]["joints"].push_back(nodes.size());
+    nodes.push_back(odd);
+  }
+  const json before = nodes;
+  Save(document, binary_);
+  const auto avatar = ReadAvatar(file_, "auto", {});
+  ASSERT_TRUE(avatar.ok()) << avatar.status().message();
+  const Status status = WriteInto(file_, avatar.value(), Walk(avatar.value()), out_);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const json after = DocumentOf(Bytes(out_));
+  for (std::size_t node = first; node < before.size(); ++node) {
+    EXPECT_EQ(after["nodes"][node], before[node]);
+  }
+  for (const json& channel : after["animations"][0]["channels"]) {
+    EXPECT_LT(channel["target"]["node"].get<std::size_t>(), first);
+  }
+  const auto read = ParseGltfClip(Bytes(out_), "out.glb");
+  EXPECT_TRUE(read.ok()) << read.status().message();
+}
+
 TEST_F(AvatarWrite, KeepsMeshesAndAddsTheMotion) {
   const auto avatar = ReadAvatar(file_, "auto", {});
   ASSERT_TRUE(avatar.ok()) << avatar.status().message();

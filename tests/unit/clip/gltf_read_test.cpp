@@ -64,8 +64,6 @@ json Avatar() {
     nodes.push_back({{"name", "finger"}, {"translation", {8, 0, i}}});
   }
   nodes[1 + body::kHead]["children"].push_back(nodes.size());
-  nodes.push_back({{"name", "hat"}, {"scale", {1, 5, 1e-3}}});
-  nodes.erase(nodes.end() - 1);
   nodes.push_back({{"name", "hat"}, {"translation", {0, 20, 0}}});
   nodes.push_back({{"name", "camera"}});
   json joints = json::array();
@@ -154,6 +152,43 @@ TEST_F(GltfReadTest, ASkeletonByItsNamesWithWhatItHangsFrom) {
   EXPECT_THAT(read.value().skeleton.names, testing::Contains("finger_23"));
   EXPECT_THAT(read.value().skeleton.names, testing::Not(testing::Contains("hat")));
   ExpectHumanoid(read.value());
+}
+
+// A stretched hat, a hidden sword, a mirrored earring, a lamp: no bone of the humanoid hangs there.
+TEST_F(GltfReadTest, OddScalesBesideTheBonesAreLeftOut) {
+  json avatar = Avatar();
+  json& nodes = avatar["nodes"];
+  const std::size_t hat = nodes.size() - 2, camera = nodes.size() - 1;
+  ASSERT_EQ(nodes[hat]["name"], "hat");
+  nodes[camera]["scale"] = {0, 0, 0};
+  const auto hang = [&nodes](std::size_t from, const json& node) {
+    nodes[from]["children"].push_back(nodes.size());
+    nodes.push_back(node);
+  };
+  hang(hat, {{"name", "feather"}, {"translation", {0, 30, 0}}});
+  hang(1 + body::kRightHand, {{"name", "sword"}, {"scale", {0, 0, 0}}});
+  hang(1 + body::kHead, {{"name", "earring"}, {"scale", {-1, 1, 1}}});
+  hang(1 + body::kHead, {{"name", "lamp"}, {"translation", {0, 1e60, 0}}});
+  const auto control = Read(avatar.dump());
+  // Also as joints of the skin, which are bones of the skeleton otherwise.
+  json& joints = avatar["skins"][0]["joints"];
+  for (std::size_t node = hat; node < nodes.size(); ++node) joints.push_back(node);
+  nodes[hat]["scale"] = {1, 5, 1e-3};
+  const auto read = Read(avatar.dump());
+  for (const auto* const one : {&control, &read}) {
+    ASSERT_TRUE(one->ok()) << one->status().message();
+    EXPECT_EQ(one->value().skeleton.joint_count(), body::kJointCount + 2);
+    ExpectHumanoid(one->value());
+  }
+  EXPECT_EQ(read.value().nodes, control.value().nodes);
+  nodes[hat].erase("scale");
+  const auto with_hat = Read(avatar.dump());
+  ASSERT_TRUE(with_hat.ok()) << with_hat.status().message();
+  EXPECT_THAT(with_hat.value().skeleton.names, testing::IsSupersetOf({"hat", "feather"}));
+  // A finger is a bone.
+  nodes[1 + body::kJointCount]["name"] = "leftIndexProximal";
+  nodes[1 + body::kJointCount]["scale"] = {0, 0, 0};
+  EXPECT_THAT(Read(avatar.dump()).status().message(), HasSubstr("\"leftIndexProximal\" has a tr"));
 }
 
 TEST_F(GltfReadTest, AVrmByItsOwnTableOfBones) {
@@ -249,11 +284,28 @@ TEST_F(GltfReadTest, AFileWithoutAnAvatarIsRefusedWithTheReason) {
     EXPECT_TRUE(message.ends_with(kExpected)) << message;
     EXPECT_THAT(message, testing::Not(HasSubstr("json.exception"))) << message;
   }
-  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {1, 2, 1}; }, "stretched unevenly");
-  ExpectRefused([](json& a) { a["nodes"][3]["scale"] = {0, 0, 0}; }, "not a rotation and scale");
-  ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, "its own ancestor");
-  ExpectRefused([](json& a) { a["nodes"][3]["children"] = {999}; }, "does not exist");
-  ExpectRefused([](json& a) { a["nodes"][2]["children"].push_back(21); }, "hangs from two nodes");
+  const auto node = [](std::size_t index) {
+    const std::string_view name = index == 0 ? "Armature" : kHumanoid[index - 1].name;
+    return "node " + std::to_string(index) + " \"" + std::string(name) + "\" ";
+  };
+  constexpr const char* kRigid = "has a transform that is not a rotation and scale, expected the";
+  for (const std::size_t at :
+       {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{1} + body::kLeftUpperArm,
+        std::size_t{1} + body::kHead}) {
+    ExpectRefused(
+        [at](json& a) {
+          a["nodes"][at]["scale"] = {1, 2, 1};
+        },
+        node(at) + "is stretched unevenly, expected the same positive scale");
+    for (const json& scale : {json{0, 0, 0}, json{1, 1, 0}, json{-1, 1, 1}, json{1e200, 1, 1}}) {
+      ExpectRefused([&](json& a) { a["nodes"][at]["scale"] = scale; }, node(at) + kRigid);
+    }
+  }
+  ExpectRefused([](json& a) { a["nodes"][3]["translation"] = {0, 1e60, 0}; }, node(3) + kRigid);
+  ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, node(0) + "is its own ancestor");
+  ExpectRefused([](json& a) { a["nodes"][3]["children"] = {999}; }, node(3) + "has a child that");
+  ExpectRefused([](json& a) { a["nodes"][2]["children"].push_back(21); },
+                node(21) + "hangs from two nodes");
   ExpectRefused(
       [](json& a) {
         for (json& node : a["nodes"]) node["name"] = "x";
