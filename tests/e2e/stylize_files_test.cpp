@@ -254,6 +254,21 @@ TEST_F(StylizeFiles, JointsAreNamedByHand) {
   EXPECT_THAT(output_, HasSubstr("found no joint named like leftLowerLeg"));
   EXPECT_THAT(output_, HasSubstr("its joints: hips, "));
   EXPECT_EQ(Stylize("-s bent --joints leftLowerLeg=wheel " + a + " " + out), 0) << output_;
+
+  // Those of an avatar, which may have other names than the input.
+  const std::string good = in_ + "/a.bvh",
+                    to = " --overwrite --avatar " + a + " " + good + " " + out;
+  EXPECT_EQ(Stylize("-s bent" + to), 1);
+  EXPECT_THAT(output_, HasSubstr("--avatar " + a + ": "));
+  EXPECT_THAT(output_, HasSubstr("found no joint named like leftLowerLeg"));
+  EXPECT_EQ(Stylize("-s bent --avatar-joints leftLowerLeg=wheel" + to), 0) << output_;
+  EXPECT_THAT(ReadText(out), HasSubstr("JOINT wheel"));
+  EXPECT_EQ(Stylize("-s bent --avatar-joints leftLowerLeg=tyre" + to), 1);
+  EXPECT_THAT(output_, HasSubstr("tyre"));
+  EXPECT_EQ(Stylize("-s bent --avatar-joints wheel" + to), 2);
+  EXPECT_THAT(output_, HasSubstr("--avatar-joints: 'wheel': expected CANONICAL=NAME"));
+  EXPECT_EQ(Stylize("-s bent --avatar-joints leftLowerLeg=wheel " + good + " " + out), 2);
+  EXPECT_THAT(output_, HasSubstr("--avatar-joints requires --avatar"));
 }
 
 TEST_F(StylizeFiles, SlidingIsThatOfStandingFeetNotOfASwing) {

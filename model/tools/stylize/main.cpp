@@ -174,9 +174,12 @@ class Run {
 
   // Checks that need only the command line.
   Status CheckArguments() {
-    auto joints = stylize::ParseJoints(arguments_);
+    auto joints = stylize::ParseJoints("--joints", arguments_.joints);
     if (!joints.ok()) return joints.status();
     joints_ = std::move(joints.value());
+    auto avatar_joints = stylize::ParseJoints("--avatar-joints", arguments_.avatar_joints);
+    if (!avatar_joints.ok()) return avatar_joints.status();
+    avatar_joints_ = std::move(avatar_joints.value());
     return stylize::CheckExampleWeights(arguments_);
   }
 
@@ -184,7 +187,7 @@ class Run {
   Status ReadFiles() {
     for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
     if (!arguments_.avatar.empty()) {
-      auto read = styled::clip::ReadAvatar(arguments_.avatar, "auto", {});
+      auto read = styled::clip::ReadAvatar(arguments_.avatar, "auto", avatar_joints_);
       if (!read.ok()) return Status::Error("--avatar " + read.status().message());
       avatar_ = std::move(read.value());
       guard_.Reads(arguments_.avatar, "the avatar");
@@ -410,7 +413,7 @@ class Run {
   std::vector<Job> jobs_;
   std::size_t broken_ = 0;  // inputs with an error
   bool to_stdout_ = false;
-  styled::rig::JointNames joints_;
+  styled::rig::JointNames joints_, avatar_joints_;
   std::optional<styled::clip::AvatarSkeleton> avatar_;
   std::optional<styled::clip::AvatarFile> meshes_;
   std::string why_not_kept_;  // why the avatar's meshes are not in a .glb; "": they are

@@ -112,8 +112,14 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
                  "leftUpperArm=Arm_01")
       ->take_all()
       ->allow_extra_args(false);
-  app.add_option("--avatar", arguments.avatar,
-                 "put the motion onto this skeleton: .vrm, .glb, .gltf or .bvh");
+  CLI::Option* const avatar = app.add_option(
+      "--avatar", arguments.avatar, "put the motion onto this skeleton: .vrm, .glb, .gltf or .bvh");
+  app.add_option("--avatar-joints", arguments.avatar_joints,
+                 "joints of the avatar whose names are not recognized, CANONICAL=NAME, e.g. "
+                 "leftUpperArm=Arm_01; for a VRM they replace its own table of bones")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->needs(avatar);
   app.add_flag("--list", arguments.list, "print the styles of the weights");
   app.add_option(
       "files", arguments.files,
@@ -177,12 +183,13 @@ std::string StyleWord(const Arguments& arguments) {
   return word.empty() ? "input" : word;
 }
 
-Result<rig::JointNames> ParseJoints(const Arguments& arguments) {
+Result<rig::JointNames> ParseJoints(const std::string& option,
+                                    const std::vector<std::string>& texts) {
   rig::JointNames joints;
-  for (const std::string& text : arguments.joints) {
+  for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == 0 || equals == std::string::npos) {
-      return Status::Error("--joints: '" + text + "': expected CANONICAL=NAME");
+      return Status::Error(option + ": '" + text + "': expected CANONICAL=NAME");
     }
     joints.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }

@@ -45,7 +45,7 @@ struct Arguments {
   std::string format;              // of standard output: an extension without its dot
   std::string preview;             // pattern
   bool recursive = false, overwrite = false, json = false, quiet = false;
-  std::vector<std::string> joints;  // CANONICAL=NAME
+  std::vector<std::string> joints, avatar_joints;  // CANONICAL=NAME
 };
 
 struct Window {
@@ -61,8 +61,9 @@ void AddOptions(CLI::App& app, Arguments& arguments);
 // Checks that the parser does not make: arguments that are missing or have no effect alone.
 Status CheckTogether(const CLI::App& app, const Arguments& arguments);
 
-// The joints that --joints names.
-Result<rig::JointNames> ParseJoints(const Arguments& arguments);
+// The joints that `texts` name, each CANONICAL=NAME; errors begin with the option.
+Result<rig::JointNames> ParseJoints(const std::string& option,
+                                    const std::vector<std::string>& texts);
 // "a, b, c"
 std::string StyleNames(const net::Styles& styles);
 // Parses the A of "S=A", a number from 0 to net::kMaxStrength; `option` and `text`, the whole

@@ -138,11 +138,13 @@ TEST_F(ConfigTest, FormerNamesOfKeysAreStillRead) {
 TEST_F(ConfigTest, OutputsAndJointsAreReadAndChecked) {
   const auto config = LoadText(
       "[[source]]\nlisten = '127.0.0.1:0'\njoints = { leftUpperArm = 'Arm_01', spine = '' }\n"
-      "[[output]]\nname = 'hero'\navatar = 'hero.vrm'\nperformers = ['rig.anna']\n");
+      "[[output]]\nname = 'hero'\navatar = 'hero.vrm'\nperformers = ['rig.anna']\n"
+      "joints = { head = 'Skull' }\n");
   ASSERT_TRUE(config.ok()) << config.status().message();
   ASSERT_EQ(config.value().outputs.size(), 1U);
   EXPECT_EQ(config.value().outputs[0].avatar, "hero.vrm");
   EXPECT_EQ(config.value().outputs[0].performers, std::vector<std::string>{"rig.anna"});
+  EXPECT_EQ(config.value().outputs[0].joints, (rig::JointNames{{"head", "Skull"}}));
   EXPECT_EQ(config.value().sources[0].joints,
             (rig::JointNames{{"leftUpperArm", "Arm_01"}, {"spine", ""}}));
   EXPECT_THAT(Complaint("[output]\nname = 'x'\n"), HasSubstr("double brackets"));
