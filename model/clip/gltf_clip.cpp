@@ -455,6 +455,19 @@ Result<std::vector<NodeTracks>> FindTracks(const json& file, std::string_view da
   return Status::Error("found no animation that turns the humanoid's bones, expected one");
 }
 
+// VRMC_vrm_animation-1.0 requires a T-pose of the nodes, but exporters write what they have.
+// Another pose, if it stands upright, is bound as that of a file without a table of bones.
+void CheckTPose(GltfClip& read) {
+  GltfSkeleton& of = read.skeleton;
+  const auto binds = [&of](bool t_pose) {
+    return rig::BindStanding(of.skeleton, of.source_joint, of.stance, t_pose).ok();
+  };
+  if (!of.t_pose || binds(true) || !binds(false)) return;
+  of.t_pose = false;
+  read.clip.remark =
+      "the nodes of its VRM humanoid stand in no T-pose: it is found from how they stand";
+}
+
 Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return gltf::Broken(chunks.status().message());
@@ -477,7 +490,9 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   if (const Status status = sampler.Check(); !status.ok()) return status;
   auto clip = sampler.Sample(work);
   if (!clip.ok()) return clip.status();
-  return GltfClip{std::move(clip.value()), std::move(bones.value().skeleton)};
+  GltfClip read{std::move(clip.value()), std::move(bones.value().skeleton)};
+  CheckTPose(read);
+  return read;
 }
 
 }  // namespace

@@ -14,7 +14,9 @@ namespace styled::clip {
 // world space: its motion includes that of the nodes above.
 struct GltfClip {
   Clip clip;
-  GltfSkeleton skeleton;  // of the same joints; its stance is the nodes' own pose
+  // Of the same joints; its stance is the nodes' own pose. `t_pose` only if that is a T-pose: where
+  // a VRM's or VRMA's stands upright in another, against its definition, clip.remark names it.
+  GltfSkeleton skeleton;
 };
 
 // Whether bytes begin like glTF binary.
@@ -36,7 +38,7 @@ bool IsGltfBinary(std::string_view bytes);
 Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
                                const ReadLimits& limits = {});
 
-// The binding of such a clip. A VRM's nodes stand in the T-pose by definition. For other files,
+// The binding of such a clip: with skeleton.t_pose the nodes' pose is the T-pose. For other files,
 // with "auto" the nodes' pose is the rest pose if it stands upright, else the first frame that
 // does; another dialect is rig::BindDialect's.
 Result<rig::Binding> BindGltf(const GltfClip& clip, std::string_view dialect = "auto");

@@ -46,7 +46,7 @@ struct Transform {
 // The nodes of a file as a forest, with their transforms. Time in proportion to the nodes.
 class Nodes {
  public:
-  // What keeps a node's transform from being a Transform.
+  // The reason why a node's transform is none that a bone can have.
   enum class Flaw : std::uint8_t {
     kNone,
     kUneven,    // stretched by different scales

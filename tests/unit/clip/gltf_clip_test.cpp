@@ -180,9 +180,8 @@ TEST(GltfClip, AMotionComesBackAsItWas) {
   EXPECT_FALSE(BindGltf(clip.value(), "octopus").ok());
 }
 
-// VRM Animation: bones by its table, whatever their names; the nodes stand in the T-pose.
-TEST(GltfClip, AVrmaIsReadByItsTable) {
-  const Motion motion = Humanoid();
+// The motion as a VRM Animation, with bones by its table, and names that say nothing.
+Parts Vrma(const Motion& motion) {
   Parts parts(Glb(motion));
   json bones;
   json& nodes = parts.document["nodes"];
@@ -196,15 +195,54 @@ TEST(GltfClip, AVrmaIsReadByItsTable) {
   }
   parts.document["extensions"]["VRMC_vrm_animation"] = {{"specVersion", "1.0"},
                                                         {"humanoid", {{"humanBones", bones}}}};
-  const auto clip = ParseGltfClip(parts.Join(), "walk.vrma");
+  return parts;
+}
+
+// The nodes stand in the T-pose.
+TEST(GltfClip, AVrmaIsReadByItsTable) {
+  const Motion motion = Humanoid();
+  const auto clip = ParseGltfClip(Vrma(motion).Join(), "walk.vrma");
   ASSERT_TRUE(clip.ok()) << clip.status().message();
   EXPECT_TRUE(clip.value().skeleton.t_pose);
+  EXPECT_EQ(clip.value().clip.remark, "");
   const auto bound = BindGltf(clip.value());
   ASSERT_TRUE(bound.ok()) << bound.status().message();
   const auto poses = ToCanonical(clip.value().clip, bound.value());
   for (std::size_t j = 0; j < body::kJointCount; ++j) {
     EXPECT_LT(poses[9].rotations[j].angularDistance(motion.frames[9].rotations[j]), 1e-3F) << j;
   }
+}
+
+// Nodes that stand with their arms down, in spite of the format's definition.
+TEST(GltfClip, AVrmaOutOfTPoseIsBoundAsItStandsWithARemark) {
+  const Motion motion = Humanoid();
+  using Turns = std::vector<std::pair<body::Joint, float>>;  // about Z, radians
+  const auto standing = [&](const Turns& turns) {
+    Parts parts = Vrma(motion);
+    for (const auto& [joint, angle_rad] : turns) {
+      const rig::Quat turn(Eigen::AngleAxisf(angle_rad, rig::Vec3::UnitZ()));
+      parts.document["nodes"][static_cast<std::size_t>(joint)]["rotation"] = {turn.x(), turn.y(),
+                                                                              turn.z(), turn.w()};
+    }
+    return ParseGltfClip(parts.Join(), "walk.vrma");
+  };
+  for (const float angle_rad : {0.8F, 1.4F}) {
+    const auto clip =
+        standing({{body::kLeftUpperArm, -angle_rad}, {body::kRightUpperArm, angle_rad}});
+    ASSERT_TRUE(clip.ok()) << clip.status().message();
+    EXPECT_THAT(clip.value().clip.remark, HasSubstr("stand in no T-pose"));
+    const auto bound = BindGltf(clip.value());
+    ASSERT_TRUE(bound.ok()) << bound.status().message();
+    const auto poses = ToCanonical(clip.value().clip, bound.value());
+    for (std::size_t j = 0; j < body::kJointCount; ++j) {
+      EXPECT_LT(poses[9].rotations[j].angularDistance(motion.frames[9].rotations[j]), 2e-2F) << j;
+    }
+  }
+  // A pose that does not stand is refused as what it should be.
+  const auto lying = standing({{body::kLeftUpperLeg, 1.5F}});
+  ASSERT_TRUE(lying.ok()) << lying.status().message();
+  EXPECT_EQ(lying.value().clip.remark, "");
+  EXPECT_THAT(BindGltf(lying.value()).status().message(), HasSubstr("a T-pose"));
 }
 
 // Motion of the nodes above the hips moves the hips; a node's scale counts.
