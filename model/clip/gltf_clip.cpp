@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <map>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "model/base/text.h"
+#include "model/clip/gltf_accessors.h"
 #include "model/clip/gltf_nodes.h"
 #include "model/rig/calibration.h"
 #include "model/rig/dialects.h"
@@ -17,179 +14,24 @@
 namespace styled::clip {
 namespace {
 
+using gltf::Accessors;
 using gltf::IndexOf;
+using gltf::kLongest_s;
 using gltf::Member;
 using gltf::Transform;
 using nlohmann::json;
 using rig::Quat;
 using rig::Vec3;
 
-constexpr double kLongest_s = 60, kLatest_s = 86400;
+constexpr double kLatest_s = 86400;
 constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
 constexpr double kSlowest_hz = 10, kFastest_hz = 240;
-constexpr float kMaxValue = 1e6F;  // of a translation, m
 // The sampled frames take at most this many bytes for each byte of the file, in addition to a fixed
 // allowance (60 s of 55 joints at 43 Hz). If they would take more, they are sampled at a lower
 // rate, because such a file has few keys.
 constexpr std::size_t kSampledBytesPerByte = 4;
 constexpr std::size_t kSampledAllowance = std::size_t{4} << 20;
 constexpr std::size_t kFramesPerCheck = 64;  // of the time limit
-
-Status CheckTimes(const std::vector<float>& times_s) {
-  for (std::size_t i = 0; i < times_s.size(); ++i) {
-    const bool rises = i == 0 ? times_s[0] >= 0 : times_s[i] > times_s[i - 1];
-    if (!rises) return Status::Error("found times that do not rise");
-  }
-  const double length_s = static_cast<double>(times_s.back() - times_s.front());
-  if (!(length_s <= kLongest_s)) {
-    return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
-                         NumberText(kLongest_s));
-  }
-  return Status::Ok();
-}
-
-// The accessors of a file, read as floats. Each is read and kept once, however many channels share
-// it, and all together have no more values than the file has bytes of data: of bytes, the smallest
-// type, it cannot have more, unless accessors lie over one another.
-class Accessors {
- public:
-  Accessors(const json& file, std::string_view data)
-      : file_(file), data_(data), left_(data.size()) {}
-
-  // All values of an accessor of `type` ("SCALAR", "VEC3", "VEC4"), one after the other; for
-  // SCALAR, increasing times.
-  using Values = std::shared_ptr<const std::vector<float>>;
-  Result<Values> Read(int index, const std::string& type) {
-    Values& kept = kept_[{index, type}];
-    if (kept != nullptr) return kept;
-    auto values = ReadNew(index, type);
-    if (!values.ok()) return values.status();
-    if (type == "SCALAR") {
-      if (const Status status = CheckTimes(values.value()); !status.ok()) return status;
-    }
-    kept = std::make_shared<const std::vector<float>>(std::move(values.value()));
-    return kept;
-  }
-
- private:
-  Result<std::vector<float>> ReadNew(int index, const std::string& type) {
-    const json& accessor = At("accessors", index);
-    const auto refuse = [index](const std::string& what) {
-      return Status::Error("accessor " + std::to_string(index) + ": " + what);
-    };
-    if (!accessor.is_object()) return refuse("there is none");
-    if (!Member(accessor, "sparse").is_null()) {
-      return refuse("found a sparse one, expected a dense one");
-    }
-    const json& found = Member(accessor, "type");
-    if (!found.is_string() || found.get_ref<const std::string&>() != type) {
-      return refuse("expected type " + type);
-    }
-    const auto component = IndexOf(accessor, "componentType"), count = IndexOf(accessor, "count");
-    const std::size_t size = component ? SizeOf(*component) : 0;
-    const bool normalized = Member(accessor, "normalized") == true;
-    if (size == 0 || (size < 4 && !normalized)) {
-      return refuse("expected floats, or normalized integers of 8 or 16 bits");
-    }
-    if (!count || *count == 0) return refuse("expected a count of 1 or more");
-    const std::size_t width = type == "SCALAR" ? 1 : type == "VEC3" ? 3 : 4;
-    const auto view = View(accessor, width * size, static_cast<std::size_t>(*count));
-    if (!view.ok()) return refuse(view.status().message());
-    const std::size_t all = width * static_cast<std::size_t>(*count);
-    if (all > left_) return refuse("found more values in its channels than the file can hold");
-    left_ -= all;
-    std::vector<float> values;
-    values.reserve(all);
-    for (std::size_t row = 0; row < static_cast<std::size_t>(*count); ++row) {
-      for (std::size_t i = 0; i < width; ++i) {
-        const char* const at = view.value().begin + row * view.value().stride + i * size;
-        values.push_back(ValueAt(at, *component));
-        if (std::isfinite(values.back()) && std::abs(values.back()) < kMaxValue) continue;
-        return refuse("found " + NumberText(values.back()) + ", expected finite numbers below " +
-                      NumberText(kMaxValue));
-      }
-    }
-    return values;
-  }
-
-  struct Rows {
-    const char* begin = nullptr;
-    std::size_t stride = 0;
-  };
-
-  const json& At(const char* list, int index) const {
-    static const json kNull;
-    const json& entries = Member(file_, list);
-    if (!entries.is_array() || static_cast<std::size_t>(index) >= entries.size()) return kNull;
-    return entries[static_cast<std::size_t>(index)];
-  }
-  static std::size_t SizeOf(int component) {
-    switch (component) {
-      case 5120:  // byte
-      case 5121:  // unsigned byte
-        return 1;
-      case 5122:  // short
-      case 5123:  // unsigned short
-        return 2;
-      case 5126:  // float
-        return 4;
-      default:
-        return 0;
-    }
-  }
-  template <typename T>
-  static T Load(const char* at) {
-    T value;
-    std::memcpy(&value, at, sizeof value);
-    return value;
-  }
-  // glTF 2.0, 3.11: f = max(c / 127, -1) and so on.
-  static float ValueAt(const char* at, int component) {
-    switch (component) {
-      case 5120:
-        return std::max(static_cast<float>(Load<std::int8_t>(at)) / 127, -1.0F);
-      case 5121:
-        return static_cast<float>(Load<std::uint8_t>(at)) / 255;
-      case 5122:
-        return std::max(static_cast<float>(Load<std::int16_t>(at)) / 32767, -1.0F);
-      case 5123:
-        return static_cast<float>(Load<std::uint16_t>(at)) / 65535;
-      default:
-        return Load<float>(at);
-    }
-  }
-  // The position of an accessor's rows; `size` bytes each.
-  Result<Rows> View(const json& accessor, std::size_t size, std::size_t count) const {
-    const auto number = IndexOf(accessor, "bufferView");
-    const json& view = number ? At("bufferViews", *number) : At("bufferViews", 1 << 30);
-    if (!view.is_object()) return Status::Error("expected a bufferView");
-    const int buffer = IndexOf(view, "buffer").value_or(0);
-    if (buffer != 0 || Member(At("buffers", buffer), "uri").is_string()) {
-      return Status::Error(
-          "found its data in another file, or in the text; expected it in this "
-          "file's binary chunk");
-    }
-    const auto number_of = [](const json& object, const char* key, std::size_t otherwise) {
-      const auto value = IndexOf(object, key);
-      return value ? static_cast<std::size_t>(*value) : otherwise;
-    };
-    const std::size_t view_begin = number_of(view, "byteOffset", 0);
-    const std::size_t view_size = number_of(view, "byteLength", 0);
-    const std::size_t begin = number_of(accessor, "byteOffset", 0);
-    const std::size_t stride = number_of(view, "byteStride", size);
-    // All below 2^31, so that nothing overflows but the product, which count is checked for.
-    const bool inside = view_begin + view_size <= data_.size() && stride >= size &&
-                        begin + size <= view_size &&
-                        count - 1 <= (view_size - begin - size) / stride;
-    if (!inside) return Status::Error("expected its data within the file");
-    return Rows{data_.data() + view_begin + begin, stride};
-  }
-
-  const json& file_;
-  std::string_view data_;
-  std::size_t left_;  // values that may still be read
-  std::map<std::pair<int, std::string>, Values> kept_;
-};
 
 // The keys of one channel.
 struct Track {
