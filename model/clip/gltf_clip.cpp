@@ -7,6 +7,7 @@
 
 #include "model/base/text.h"
 #include "model/clip/gltf_accessors.h"
+#include "model/clip/gltf_meshopt.h"
 #include "model/clip/gltf_nodes.h"
 #include "model/rig/calibration.h"
 #include "model/rig/dialects.h"
@@ -297,6 +298,25 @@ Result<std::vector<NodeTracks>> FindTracks(const json& file, std::string_view da
   return Status::Error("found no animation that turns the humanoid's bones, expected one");
 }
 
+// For a refusal: the extensions without which, by the file's own word, it cannot be read. Those
+// that are read, or are about meshes alone, are left out; "" if there are no others.
+std::string Required(const json& file) {
+  constexpr std::size_t kMost = 4, kMostName = 64;
+  std::string names;
+  std::size_t found = 0;
+  for (const json& entry : Member(file, "extensionsRequired")) {
+    if (!entry.is_string()) continue;
+    const auto& name = entry.get_ref<const std::string&>();
+    if (name == gltf::kMeshopt || name == "KHR_mesh_quantization" ||
+        name == "KHR_draco_mesh_compression") {
+      continue;
+    }
+    if (++found > kMost) break;
+    names += (names.empty() ? "" : ", ") + gltf::Shown(name.substr(0, kMostName));
+  }
+  return names.empty() ? "" : "; it requires " + names + ", which is not read";
+}
+
 // VRMC_vrm_animation-1.0 requires a T-pose of the nodes, but exporters write what they have.
 // Another pose, if it stands upright, is bound as that of a file without a table of bones.
 void CheckTPose(GltfClip& read) {
@@ -324,7 +344,7 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   const MovingNodes moving(nodes.value(), bones.value(), model.value().nodes.size());
   if (work.exceeded()) return work.Refusal();
   const auto tracks = FindTracks(file.value(), chunks.value().data, moving);
-  if (!tracks.ok()) return tracks.status();
+  if (!tracks.ok()) return Status::Error(tracks.status().message() + Required(file.value()));
   // Freed, so that they are not in memory together with the frames.
   file.value() = json();
   model.value() = gltf::Model();

@@ -26,12 +26,14 @@ bool IsGltfBinary(std::string_view bytes);
 // turns a bone of its humanoid. Bones: VRM's own table, else by name, as ReadGltfSkeleton. The rate
 // is that of the densest channel, in whole Hz, 10 to 240, or lower if the frames would take more
 // than 4 times the file's bytes and 4 MiB; LINEAR, STEP and CUBICSPLINE channels are sampled at it.
-// Rotations as floats or normalized integers; scale and weights channels, and those of other nodes,
-// are ignored. Refuses, in addition to ReadGltfSkeleton's refusals: a file without its data, data
+// Rotations as floats or normalized integers, also in buffer views packed by
+// EXT_meshopt_compression (gltfpack -c); scale and weights channels, and those of other nodes, are
+// ignored. Refuses, in addition to ReadGltfSkeleton's refusals: a file without its data, data
 // outside the file (also "data:" in the text), sparse or broken accessors, more values in its
-// channels than bytes in the file, times that do not rise, numbers that are not finite, no such
-// animation, more than 60 s, more nodes and channels than take 6 times the file's bytes and 4 MiB,
-// and a file that takes longer than limits.work. Time and memory in proportion to the file. Never
+// channels than bytes in the file (and 3 MiB, if packed), times that do not rise, numbers that are
+// not finite, no such animation, more than 60 s, more nodes and channels than take 6 times the
+// file's bytes and 4 MiB, and a file that takes longer than limits.work. A refusal of the data
+// names the extensions that the file requires. Time and memory in proportion to the file. Never
 // throws on content. Errors: "NAME: found X, expected Y". Allocates; any thread. Pinned by
 // tests/unit/clip/gltf_clip_test.cpp, hostile_clips_test.cpp; tests/witness/gltf has files that
 // three.js has written.

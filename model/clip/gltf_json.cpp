@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "model/clip/gltf_meshopt.h"
 #include "model/clip/gltf_nodes.h"
 
 namespace styled::clip::gltf {
@@ -86,21 +87,24 @@ class Wanted final : public json::json_sax_t {
                                                          "joints",   "matrix", "translation",
                                                          "rotation", "scale",  "version"};
     constexpr std::array<std::string_view, 3> kVrm{"VRMC_vrm", "VRM", "VRMC_vrm_animation"};
-    constexpr std::array<std::string_view, 3> kTopOfMotion{"accessors", "bufferViews",
-                                                           "animations"};
+    constexpr std::array<std::string_view, 4> kTopOfMotion{"accessors", "bufferViews", "animations",
+                                                           "extensionsRequired"};
     constexpr std::array<std::string_view, 17> kOfMotion{
         "bufferView", "byteOffset", "componentType", "normalized", "count",    "type",
         "sparse",     "buffer",     "byteLength",    "byteStride", "channels", "samplers",
         "sampler",    "target",     "node",          "path",       "input"};
     constexpr std::array<std::string_view, 2> kOfSamplers{"output", "interpolation"};
+    constexpr std::array<std::string_view, 4> kOfViews{"extensions", kMeshopt, "mode", "filter"};
     if (open_.size() == 1) {
       of_extensions_ = name == "extensions";
       of_nodes_ = name == "nodes";
+      of_views_ = name == "bufferViews";
       return IsOneOf(name, kTop) || (with_motion_ && IsOneOf(name, kTopOfMotion));
     }
     if (!of_extensions_) {
       return IsOneOf(name, kOfEntries) ||
-             (with_motion_ && (IsOneOf(name, kOfMotion) || IsOneOf(name, kOfSamplers)));
+             (with_motion_ && (IsOneOf(name, kOfMotion) || IsOneOf(name, kOfSamplers) ||
+                               (of_views_ && IsOneOf(name, kOfViews))));
     }
     if (open_.size() == 2) return IsOneOf(name, kVrm);
     return open_.size() > 3 || name == "humanoid";
@@ -167,6 +171,7 @@ class Wanted final : public json::json_sax_t {
   bool skip_next_ = false;      // skip the last key's value
   bool of_extensions_ = false;  // the last key of the root was "extensions"
   bool of_nodes_ = false;       // or "nodes"
+  bool of_views_ = false;       // or "bufferViews"
   std::size_t left_, all_;
   std::size_t values_ = 0;  // the number of kept values
   std::string refused_;
