@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <meshoptimizer.h>
 
 #include <cmath>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/clip/glb_write.h"
+#include "model/clip/gltf_meshopt.h"
 #include "tests/unit/body/random_pose.h"
 
 namespace styled::clip {
@@ -278,6 +280,160 @@ TEST(GltfClip, StepsAreHeldAndTimesMayBeginLate) {
   const auto clip = ParseGltfClip(parts.Join(), "walk.glb");
   ASSERT_TRUE(clip.ok()) << clip.status().message();
   EXPECT_EQ(clip.value().clip.frames.size(), 3U);
+}
+
+// Rows as meshoptimizer packs them.
+std::string Packed(const void* rows, std::size_t count, std::size_t stride) {
+  std::string packed(meshopt_encodeVertexBufferBound(count, stride), '\0');
+  packed.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(packed.data()),
+                                           packed.size(), rows, count, stride));
+  return packed;
+}
+// The extension's object for `count` rows in the binary chunk.
+json Meshopt(std::size_t offset, std::size_t bytes, std::size_t count, std::size_t stride,
+             const std::string& filter) {
+  json packed{{"buffer", 0},          {"byteOffset", offset}, {"byteLength", bytes},
+              {"byteStride", stride}, {"count", count},       {"mode", "ATTRIBUTES"}};
+  if (filter != "NONE") packed["filter"] = filter;
+  return packed;
+}
+
+// The file with each accessor's data packed, as gltfpack does; with filters, rotations have 16 bits
+// and numbers of 3 have 24.
+Parts Pack(Parts parts, bool filters) {
+  std::string data;
+  for (json& accessor : parts.document["accessors"]) {
+    if (accessor["componentType"] != 5126 || accessor["type"] == "MAT4") continue;
+    json& view = parts.document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    const auto count = accessor["count"].get<std::size_t>();
+    const std::size_t size = view["byteLength"].get<std::size_t>();
+    std::vector<float> values(size / 4);
+    std::memcpy(values.data(), parts.At(accessor), size);
+    std::size_t stride = size / count;
+    std::string filter = "NONE", rows(size, '\0');
+    if (filters && accessor["type"] == "VEC4") {
+      filter = "QUATERNION";
+      stride = 8;
+      meshopt_encodeFilterQuat(rows.data(), count, stride, 16, values.data());
+      accessor["componentType"] = 5122;
+      accessor["normalized"] = true;
+    } else if (filters && accessor["type"] == "VEC3") {
+      filter = "EXPONENTIAL";
+      meshopt_encodeFilterExp(rows.data(), count, stride, 24, values.data());
+    } else {
+      std::memcpy(rows.data(), values.data(), size);
+    }
+    const std::string packed = Packed(rows.data(), count, stride);
+    view = {{"buffer", 1},
+            {"byteLength", count * stride},
+            {"extensions",
+             {{gltf::kMeshopt, Meshopt(data.size(), packed.size(), count, stride, filter)}}}};
+    data += packed;
+  }
+  parts.data = data;
+  parts.document["buffers"] = {{{"byteLength", data.size()}}, {{"byteLength", 1 << 20}}};
+  parts.document["extensionsRequired"] = {gltf::kMeshopt};
+  return parts;
+}
+
+TEST(GltfClip, PackedDataAreUnpacked) {
+  const Motion motion = Humanoid();
+  const auto plain = ParseGltfClip(Glb(motion), "walk.glb");
+  ASSERT_TRUE(plain.ok()) << plain.status().message();
+  for (const bool filters : {false, true}) {
+    const auto clip = ParseGltfClip(Pack(Parts(Glb(motion)), filters).Join(), "walk.glb");
+    ASSERT_TRUE(clip.ok()) << clip.status().message();
+    ASSERT_EQ(clip.value().clip.frames.size(), plain.value().clip.frames.size());
+    for (std::size_t frame = 0; frame < plain.value().clip.frames.size(); ++frame) {
+      const auto &found = clip.value().clip.frames[frame], &was = plain.value().clip.frames[frame];
+      for (std::size_t j = 0; j < was.rotations.size(); ++j) {
+        EXPECT_LT(found.rotations[j].angularDistance(was.rotations[j]), filters ? 2e-4F : 1e-6F);
+      }
+      EXPECT_LT((found.translations[0] - was.translations[0]).norm(), filters ? 1e-6F : 1e-9F);
+    }
+  }
+}
+
+// No animation has directions; the filter is one of the extension all the same.
+TEST(GltfClip, PackedDirectionsAreUnpacked) {
+  const std::vector<float> directions{0.6F, 0, 0.8F, 1, 0, -1, 0, 1, -0.36F, 0.48F, -0.8F, 1};
+  for (const std::size_t bytes : {1U, 2U}) {
+    std::string rows(3 * 4 * bytes, '\0');
+    meshopt_encodeFilterOct(rows.data(), 3, 4 * bytes, static_cast<int>(8 * bytes),
+                            directions.data());
+    const std::string packed = Packed(rows.data(), 3, 4 * bytes);
+    const auto unpacked = gltf::UnpackView(Meshopt(0, packed.size(), 3, 4 * bytes, "OCTAHEDRAL"),
+                                           packed, rows.size(), rows.size());
+    ASSERT_TRUE(unpacked.ok()) << unpacked.status().message();
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      const char* const at = unpacked.value().data() + i * bytes;
+      std::int16_t wide = 0;
+      std::memcpy(&wide, at, sizeof wide * bytes / 2);
+      const float found = bytes == 1 ? static_cast<float>(static_cast<signed char>(*at)) / 127
+                                     : static_cast<float>(wide) / 32767;
+      EXPECT_NEAR(found, directions[i], bytes == 1 ? 0.02F : 1e-4F) << i;
+    }
+  }
+}
+
+TEST(GltfClip, BrokenPackedDataAreRefusedWithTheReason) {
+  const Parts packed = Pack(Parts(Glb(Humanoid())), true);
+  ASSERT_TRUE(ParseGltfClip(packed.Join(), "walk.glb").ok());
+  const auto with = [&packed](const auto& change, const std::string& reason) {
+    Parts parts = packed;
+    json& view = parts.document["bufferViews"][parts.output(0)["bufferView"].get<std::size_t>()];
+    change(view, view["extensions"][gltf::kMeshopt], parts);
+    ExpectRefused(parts.Join(), reason);
+  };
+  for (const char* const mode : {"TRIANGLES", "INDICES", "", "\n"}) {
+    with([mode](json&, json& p, Parts&) { p["mode"] = mode; },
+         "EXT_meshopt_compression: found mode \"");
+  }
+  with([](json&, json& p, Parts&) { p.erase("mode"); }, "found mode \"\"");
+  with([](json&, json& p, Parts&) { p["filter"] = "COLOR"; }, "found filter \"COLOR\", expected");
+  for (const int stride : {0, -8, 3, 6, 12, 260, 1 << 30}) {
+    with([stride](json&, json& p, Parts&) { p["byteStride"] = stride; }, "found a byteStride of");
+  }
+  with(
+      [](json&, json& p, Parts&) {
+        p["filter"] = "OCTAHEDRAL";
+        p["byteStride"] = 12;
+      },
+      "found a byteStride of 12");
+  for (const int count : {0, -1, 30, 32, 2'000'000'000}) {
+    with([count](json&, json& p, Parts&) { p["count"] = count; }, "found ");
+  }
+  with([](json& view, json&, Parts&) { view["byteLength"] = 100; },
+       "found 31 rows of 8 bytes, expected the view's 100 bytes");
+  with([](json&, json& p, Parts&) { p["buffer"] = 1; }, "expected its data within");
+  with([](json&, json& p, Parts&) { p["byteOffset"] = 1'000'000; }, "expected its data within");
+  with([](json&, json& p, Parts&) { p["byteLength"] = 1'000'000; }, "expected its data within");
+  for (const int bytes : {0, 1, 40}) {
+    with([bytes](json&, json& p, Parts&) { p["byteLength"] = bytes; },
+         "bytes that cannot be unpacked");
+  }
+  with(
+      [](json&, json& p, Parts& parts) {
+        parts.data[p["byteOffset"].get<std::size_t>()] = '\xA1';  // of a later version
+      },
+      "bytes that cannot be unpacked, expected those of 31 rows in version 0 of the format");
+  // Damage is refused or read as other numbers.
+  for (std::size_t at = 0; at < packed.data.size(); at += 7) {
+    Parts parts = packed;
+    parts.data[at] = static_cast<char>(parts.data[at] ^ 0x55);
+    const auto clip = ParseGltfClip(parts.Join(), "walk.glb");
+    if (!clip.ok()) EXPECT_THAT(clip.status().message(), HasSubstr("walk.glb: "));
+  }
+}
+
+// An extension that a file cannot be read without is named where it cannot be.
+TEST(GltfClip, UnknownExtensionsAreNamedByARefusal) {
+  Parts parts(Glb(Humanoid()));
+  parts.document["extensionsRequired"] = {"KHR_other", "KHR_draco_mesh_compression", 7};
+  EXPECT_TRUE(ParseGltfClip(parts.Join(), "walk.glb").ok()) << "it may be about meshes";
+  parts.document["buffers"][0]["uri"] = "walk.bin";
+  ExpectRefused(parts.Join(),
+                "in this file's binary chunk; it requires KHR_other, which is not read");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Files of clients whose contents ask for more memory or time than their size justifies.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <meshoptimizer.h>
 
 #include <algorithm>
 #include <chrono>
@@ -304,6 +305,51 @@ std::vector<HostileFile> GltfFiles() {
                    file(Nodes(), accessors, large, List("animations", {Animation(all, samplers)}),
                         Bytes(keys) + Bytes(turns)),
                    "found more values in its channels than the file can hold"});
+  // Zeros of which hardly a byte is in the file: a minute of four small numbers, and far more.
+  constexpr std::size_t kRows = 100'000;
+  const auto zeros = [](std::size_t rows) {
+    const std::string unpacked(4 * rows, '\0');
+    std::string packed(meshopt_encodeVertexBufferBound(rows, 4), '\0');
+    packed.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(packed.data()),
+                                             packed.size(), unpacked.data(), rows, 4));
+    return packed;
+  };
+  const auto packed_view = [](std::size_t offset, std::size_t bytes, std::size_t rows) {
+    return R"({"buffer":1,"byteLength":)" + std::to_string(4 * rows) +
+           R"(,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":)" +
+           std::to_string(offset) + R"(,"byteLength":)" + std::to_string(bytes) +
+           R"(,"byteStride":4,"count":)" + std::to_string(rows) + R"(,"mode":"ATTRIBUTES"}}})";
+  };
+  const auto small_numbers = [](int view, std::size_t rows) {
+    return R"({"bufferView":)" + std::to_string(view) +
+           R"(,"componentType":5120,"normalized":true,"type":"VEC4","count":)" +
+           std::to_string(rows) + "}";
+  };
+  std::vector<float> rising(kRows);
+  for (std::size_t i = 0; i < kRows; ++i) rising[i] = static_cast<float>(i) / 2000;
+  for (const auto& [rows, message] :
+       {std::pair{kRows, ""}, std::pair{std::size_t{1} << 20, "more values in its channels than"},
+        std::pair{std::size_t{1} << 24, "bytes packed into"}}) {
+    const std::string packed = zeros(rows), times = Bytes(rising);
+    files.push_back({"packed zeros, " + std::to_string(rows),
+                     file(Nodes(), {Accessor(0, kRows, "SCALAR"), small_numbers(1, rows)},
+                          {View(0, times.size()), packed_view(times.size(), packed.size(), rows)},
+                          turn, times + packed),
+                     message});
+  }
+  // Many views over the same packed bytes.
+  const std::string packed = zeros(kRows), times = Bytes(rising);
+  std::vector<std::string> same{View(0, times.size())}, of_them{Accessor(0, kRows, "SCALAR")};
+  samplers.clear();
+  for (std::size_t i = 0; i < body::kJointCount; ++i) {
+    same.push_back(packed_view(times.size(), packed.size(), kRows));
+    of_them.push_back(small_numbers(static_cast<int>(1 + i), kRows));
+    samplers.push_back(R"({"input":0,"output":)" + std::to_string(1 + i) + "}");
+  }
+  files.push_back(
+      {"packed bytes over and over",
+       file(Nodes(), of_them, same, List("animations", {Animation(all, samplers)}), times + packed),
+       "bytes packed into"});
   return files;
 }
 
