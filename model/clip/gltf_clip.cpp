@@ -181,10 +181,6 @@ class Sampler {
       : nodes_(nodes), bones_(bones), moving_(moving), tracks_(tracks), bytes_(bytes) {}
 
   Status Check() const {
-    if (moving_.above().size() > kMaxAbove) {
-      return Status::Error("found " + std::to_string(moving_.above().size()) +
-                           " nodes above the hips, expected at most " + std::to_string(kMaxAbove));
-    }
     const Grid grid = MakeGrid();
     const double length_s = grid.end_s - grid.begin_s;
     if (length_s <= kLongest_s) return Status::Ok();
@@ -342,6 +338,11 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   auto bones = gltf::FindBones(model.value(), nodes.value(), {});
   if (!bones.ok()) return bones.status();
   const MovingNodes moving(nodes.value(), bones.value(), model.value().nodes.size());
+  // Before the animations, of each of which a table of these nodes is made.
+  if (const std::size_t above = moving.above().size(); above > kMaxAbove) {
+    return Status::Error("found " + std::to_string(above) +
+                         " nodes above the hips, expected at most " + std::to_string(kMaxAbove));
+  }
   if (work.exceeded()) return work.Refusal();
   const auto tracks = FindTracks(file.value(), chunks.value().data, moving);
   if (!tracks.ok()) return Status::Error(tracks.status().message() + Required(file.value()));

@@ -2,7 +2,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <limits>
+#include <iterator>
 #include <utility>
 
 #include "model/clip/gltf_meshopt.h"
@@ -17,16 +17,20 @@ constexpr const char* kOnlyTwo =
     ", expected glTF 2.0: export it again, or convert it (Blender reads and writes glTF)";
 // The number of JSON values that are kept. An avatar of 2000 nodes has 40 000.
 constexpr std::size_t kMaxValues = 1 << 20;
-constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 
 // The memory of kept values in bytes: on the heap, including the allocator's overhead.
 namespace bytes_of {
 constexpr std::size_t kMember = 112;  // a map's node with a short key and its value
 constexpr std::size_t kEntry = 32;    // a value in a list that grows
 constexpr std::size_t kObject = 64, kList = 48, kString = 48;
+// Of each value of a list or an object beyond kFew: a list that grows is in memory twice, and
+// json's destructor moves the values into another list that grows.
+constexpr std::size_t kFew = 16, kOfMany = 48;
 // A node is also an entry of Model, Nodes and the tables in which bones are searched.
-constexpr std::size_t kNode = 512;
+constexpr std::size_t kNode = 320;
 }  // namespace bytes_of
+
+enum class Of { kAvatar, kMotion };
 
 // Builds only the used parts of a JSON text, in one pass: meshes, accessors, materials and
 // animations are most of a file. The library's own filter, json::parse with a callback, is too
@@ -34,8 +38,8 @@ constexpr std::size_t kNode = 512;
 class Wanted final : public json::json_sax_t {
  public:
   // `most`: bytes of memory; `all`: those of the file, for the message.
-  Wanted(json& root, bool with_motion, std::size_t most, std::size_t all)
-      : root_(root), with_motion_(with_motion), left_(most), all_(all) {}
+  Wanted(json& root, Of of, std::size_t most, std::size_t all)
+      : root_(root), with_motion_(of == Of::kMotion), left_(most), all_(all) {}
 
   // Which limit was exceeded, as an error message; empty if none.
   const std::string& refused() const { return refused_; }
@@ -63,7 +67,7 @@ class Wanted final : public json::json_sax_t {
     if (skipped_ > 0) return true;
     skip_next_ = !IsWanted(name);
     if (skip_next_) return true;
-    if (!Spend(bytes_of::kMember + name.size())) return false;
+    if (!Spend(bytes_of::kMember + name.size() + OfMany(*open_.back()))) return false;
     member_ = &(*open_.back())[std::move(name)];
     return true;
   }
@@ -121,11 +125,15 @@ class Wanted final : public json::json_sax_t {
     }
     if (open_.empty()) return &root_;
     if (open_.back()->is_object()) return member_;
-    if (!Spend(bytes_of::kEntry)) return nullptr;
+    if (!Spend(bytes_of::kEntry + OfMany(*open_.back()))) return nullptr;
     open_.back()->push_back(nullptr);
     return &open_.back()->back();
   }
 
+  // The additional memory of one more value in it.
+  static std::size_t OfMany(const json& container) {
+    return container.size() < bytes_of::kFew ? 0 : bytes_of::kOfMany;
+  }
   // Whether there is room for this many bytes of a stored value.
   bool Spend(std::size_t bytes) {
     if (skipped_ > 0 || skip_next_) return true;
@@ -133,8 +141,11 @@ class Wanted final : public json::json_sax_t {
       left_ -= bytes;
       return true;
     }
-    refused_ = "found more nodes and channels than a file of " + std::to_string(all_) +
-               " bytes has with a motion, expected a humanoid's";
+    refused_ = (with_motion_ ? "found more nodes and channels than a file of "
+                             : "found more nodes, skins, buffers and images than a file of ") +
+               std::to_string(all_) +
+               (with_motion_ ? " bytes has with a motion, expected a humanoid's"
+                             : " bytes has, expected an avatar's");
     return false;
   }
 
@@ -187,9 +198,29 @@ Status CheckVersion(const json& file) {
   return WrongVersion(Shown(text.substr(0, 16)));
 }
 
-Result<json> Parse(std::string_view text, bool with_motion, std::size_t most, std::size_t all) {
+// The kept values take at most so much memory for each byte of the file, and the allowance.
+constexpr std::size_t kMemoryPerByte = 6;
+
+// Whether a number has so many digits that the parser's copies of it would be most of the memory.
+bool HasLongNumber(std::string_view text) {
+  constexpr std::ptrdiff_t kMost = 4096;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  // The runs of digits that a step of this length cannot miss.
+  for (std::size_t at = kMost; at < text.size(); at += kMost) {
+    if (!digit(text[at])) continue;
+    const auto* const here = text.data() + at;
+    const auto* const end = std::find_if_not(here, text.data() + text.size(), digit);
+    const auto begin = std::find_if_not(std::make_reverse_iterator(here),
+                                        std::make_reverse_iterator(text.data()), digit);
+    if (end - begin.base() > kMost) return true;
+  }
+  return false;
+}
+
+Result<json> Parse(std::string_view text, Of of, std::size_t bytes, std::size_t allowance) {
   json file;
-  Wanted wanted(file, with_motion, most, all);
+  Wanted wanted(file, of, kMemoryPerByte * bytes + allowance, bytes);
+  if (HasLongNumber(text)) return Broken("found a number of more than 4096 digits");
   const char* const begin = text.data();
   if (!json::sax_parse(begin, begin + text.size(), &wanted) || !file.is_object()) {
     return wanted.refused().empty() ? Broken("found JSON that cannot be read")
@@ -242,13 +273,12 @@ Result<Chunks> SplitGlb(std::string_view bytes) {
   return chunks;
 }
 
-Result<json> ParseJson(std::string_view text) {
-  return Parse(text, false, kUnlimited, text.size());
+Result<json> ParseJson(std::string_view text, std::size_t bytes) {
+  return Parse(text, Of::kAvatar, bytes, std::size_t{2} << 20);
 }
 
 Result<json> ParseMotionJson(std::string_view text, std::size_t bytes) {
-  constexpr std::size_t kMemoryPerByte = 6, kAllowance = std::size_t{4} << 20;
-  return Parse(text, true, kMemoryPerByte * bytes + kAllowance, bytes);
+  return Parse(text, Of::kMotion, bytes, std::size_t{4} << 20);
 }
 
 }  // namespace styled::clip::gltf

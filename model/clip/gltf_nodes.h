@@ -87,11 +87,11 @@ const nlohmann::json& Member(const nlohmann::json& object, const char* key);
 // A number of the list of an object's key; empty if it is not an index.
 std::optional<int> IndexOf(const nlohmann::json& object, const char* key);
 
-// The used parts of the JSON. Refuses text that is not JSON, is nested too deep, has too many
-// values, or another version than glTF 2.
-Result<nlohmann::json> ParseJson(std::string_view text);
-// The same with accessors and animations, for a client's file of `bytes`: the kept values, together
-// with the results of ReadModel and Nodes, take at most 6 times as much memory, and 4 MiB.
+// The used parts of the JSON of a file of `bytes`. Refuses text that is not JSON, is nested too
+// deep, has too many values, or another version than glTF 2. The kept values, together with the
+// results of ReadModel and Nodes, take at most 6 times as much memory as the file, and 2 MiB.
+Result<nlohmann::json> ParseJson(std::string_view text, std::size_t bytes);
+// The same with accessors and animations; at most 6 times the file, and 4 MiB.
 Result<nlohmann::json> ParseMotionJson(std::string_view text, std::size_t bytes);
 // Moves nodes, skins and humanoid out of `file`.
 Result<Model> ReadModel(nlohmann::json& file);

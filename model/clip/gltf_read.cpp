@@ -158,10 +158,11 @@ Result<GltfSkeleton> ReadFile(const std::filesystem::path& file, const rig::Join
     const std::string name = file.string() + ": ";
     return text.starts_with(name) ? status : Status::Error(name + text);
   };
-  const auto text = ReadJsonText(opened.value());
+  auto text = ReadJsonText(opened.value());
   if (!text.ok()) return refuse(text.status());
-  auto read = gltf::ParseJson(text.value());
+  auto read = gltf::ParseJson(text.value(), opened.value().size());
   if (!read.ok()) return refuse(read.status());
+  text.value() = std::string();  // freed, so that it is not in memory together with the nodes
   json& parsed = read.value();
   const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   if (const Status status = CheckUris(parsed, folder); !status.ok()) return refuse(status);

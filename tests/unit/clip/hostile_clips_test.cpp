@@ -6,15 +6,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "model/body/humanoid.h"
+#include "model/clip/avatar.h"
 #include "model/clip/clip.h"
 #include "model/clip/gltf_clip.h"
 #include "model/rig/dialects.h"
 #include "tests/support/count_new.h"
+#include "tests/support/temporary_folder.h"
 
 namespace styled::clip {
 namespace {
@@ -266,7 +269,8 @@ std::vector<HostileFile> GltfFiles() {
        Glb(List("nodes", Nodes()) + "," + List("animations", Copies(kFile / 3, "[]")), ""),
        "nodes and channels than a file of"},
       {"children that are digits",
-       Glb(R"("nodes":[{"children":[)" + Times(kFile / 2, "0,") + "0]}]", ""), "found more than"},
+       Glb(R"("nodes":[{"children":[)" + Times(kFile / 2, "0,") + "0]}]", ""),
+       "nodes and channels than a file of"},
       {"a name that is the file",
        Glb(R"("nodes":[{"name":")" + std::string(kFile, 'x') + R"("}])", ""), "no bone named"},
       {"names of many nodes",
@@ -355,6 +359,88 @@ std::vector<HostileFile> GltfFiles() {
 
 TEST(HostileClips, AGltfTakesMemoryAndTimeInProportionToItsSize) {
   for (const HostileFile& file : GltfFiles()) ExpectInProportion(file);
+}
+
+// The humanoid's nodes with its hips at the end of a chain and a chain below them, all of them
+// joints of a skin; `data` bytes of meshes.
+std::string Chains(std::size_t length, std::size_t data) {
+  std::vector<std::string> nodes = Nodes({"{}"});
+  const auto chain = [&](std::size_t last) {
+    for (std::size_t i = 1; i < length; ++i) {
+      nodes.push_back(R"({"children":[)" + std::to_string(nodes.size() + 1) + "]}");
+    }
+    nodes.push_back(R"({"children":[)" + std::to_string(last) + "]}");
+  };
+  nodes[body::kJointCount] = R"({"children":[)" + std::to_string(nodes.size()) + "]}";
+  chain(nodes.size() + 2 * length);
+  chain(0);
+  nodes.emplace_back("{}");
+  std::string joints = "0";
+  for (std::size_t node = 1; node < nodes.size(); ++node) joints += "," + std::to_string(node);
+  return Glb(List("nodes", nodes) + R"(,"skins":[{"joints":[)" + joints + "]}]",
+             std::string(data, 'x'));
+}
+
+std::vector<HostileFile> AvatarFiles() {
+  constexpr const char* kMany = "found more nodes, skins, buffers and images than a file of ";
+  const auto listed = [](const std::string& key, std::size_t count, const std::string& entry) {
+    return Glb("\"" + key + "\":[" + Times(count - 1, entry + ",") + entry + "]", "");
+  };
+  const auto humanoid = [](const std::string& extension, const std::string& bones) {
+    return Glb(List("nodes", Nodes()) + R"(,"extensions":{")" + extension +
+                   R"(":{"humanoid":{"humanBones":)" + bones + "}}}",
+               "");
+  };
+  std::string bones = R"({"hips":{"node":0})", keys = bones;
+  for (int i = 0; i < 60'000; ++i) bones += ",\"b" + std::to_string(i) + R"(":{"node":1})";
+  for (int i = 0; i < 350'000; ++i) keys += ",\"" + std::to_string(i) + "\":0";
+  return {
+      {"a chain above the hips, and one below", Chains(30'000, 16 << 20), ""},
+      {"chains without meshes", Chains(30'000, 0), kMany},
+      {"nodes", listed("nodes", 1'000'000, "{}"), kMany},
+      {"skins", listed("skins", 1'000'000, "{}"), kMany},
+      {"skins of one joint", listed("skins", 200'000, R"({"joints":[0]})"), kMany},
+      {"text in place of skins", listed("skins", 1'000'000, R"("")"), kMany},
+      {"images", listed("images", 1'000'000, "{}"), kMany},
+      {"meshes", listed("meshes", 1'000'000, "{}"), "no bone named like hips"},
+      {"names", listed("nodes", 60'000, R"({"name":"Bip01 L UpperArm Twist"})"), kMany},
+      {"children", Glb(R"("nodes":[{"children":[)" + Times(1'000'000, "0,") + "0]}]", ""), kMany},
+      {"a table of bones", humanoid("VRMC_vrm", bones + "}"), kMany},
+      {"a table of numbers", humanoid("VRMC_vrm", keys + "}"), kMany},
+      {"a list of bones",
+       humanoid("VRM", "[" + Times(60'000, R"({"bone":"jaw","node":0},)") + "{}]"), kMany},
+      {"a list in a bone",
+       humanoid("VRMC_vrm", R"({"hips":{"node":0,"x":[)" + Times(900'000, "0,") + "0]}}"), kMany},
+      {"a number of many digits",
+       Glb(R"("nodes":[{"scale":[)" + std::string(3'000'000, '1') + "]}]", ""),
+       "a number of more than 4096 digits"},
+      {"a fraction of many digits",
+       Glb(R"("nodes":[{"scale":[0.)" + std::string(3'000'000, '3') + "]}]", ""),
+       "a number of more than 4096 digits"},
+  };
+}
+
+TEST(HostileClips, AnAvatarTakesMemoryAndTimeInProportionToItsSize) {
+  constexpr std::size_t kFixedOfAvatar = std::size_t{2} << 20;
+  const support::TemporaryFolder folder;
+  const std::string path = folder / "avatar.glb";
+  for (const HostileFile& file : AvatarFiles()) {
+    SCOPED_TRACE(file.name + ", " + std::to_string(file.bytes.size()) + " bytes");
+    std::ofstream(path, std::ios::binary) << file.bytes;
+    const auto begin = std::chrono::steady_clock::now();
+    std::string message;
+    std::size_t peak_bytes = 0;
+    {
+      const support::CountNew count;
+      message = ReadAvatar(path, "auto", {}).status().message();
+      peak_bytes = count.peak_bytes();
+    }
+    const auto took = std::chrono::steady_clock::now() - begin;
+    EXPECT_LE(peak_bytes, kMemoryPerByte * file.bytes.size() + kFixedOfAvatar);
+    EXPECT_LT(took, kMostTime);
+    EXPECT_THAT(message, HasSubstr(file.message));
+    EXPECT_EQ(message.empty(), file.message.empty()) << message;
+  }
 }
 
 TEST(HostileClips, WorkBeyondItsTimeIsRefusedByFileAndLimit) {
