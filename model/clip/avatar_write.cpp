@@ -41,6 +41,9 @@ Result<Glb> ReadGlb(const std::filesystem::path& file) {
   if (!bytes.starts_with("glTF")) return refuse("is not a glTF binary");
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return refuse(chunks.status().message());
+  if (const Status shape = gltf::CheckShape(chunks.value().text); !shape.ok()) {
+    return refuse(shape.message());
+  }
   Glb glb{ordered_json::parse(chunks.value().text, nullptr, false),
           std::string(chunks.value().data)};
   if (!glb.document.is_object()) return refuse("has no JSON object");

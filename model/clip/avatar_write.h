@@ -15,8 +15,9 @@ namespace styled::clip {
 // tests/witness/gltf the Khronos validator and three.js check what is written.
 class AvatarFile {
  public:
-  // Reads the file that `avatar` was read from. Refuses a file without meshes, and one that is not
-  // a glTF binary with all of its data inside. Errors begin with the file's name.
+  // Reads the file that `avatar` was read from. Refuses a file without meshes, one that is not a
+  // glTF binary with all of its data inside, and JSON with more than 1024 keys in an object. Errors
+  // begin with the file's name.
   static Result<AvatarFile> Read(const std::filesystem::path& avatar_file,
                                  const AvatarSkeleton& avatar);
 

@@ -32,6 +32,8 @@ constexpr std::size_t kNode = 320;
 
 enum class Of { kAvatar, kMotion };
 
+constexpr std::size_t kMaxDepth = 64;  // far more than any avatar's
+
 // Builds only the used parts of a JSON text, in one pass: meshes, accessors, materials and
 // animations are most of a file. The library's own filter, json::parse with a callback, is too
 // slow: it searches the whole list again after every object in it.
@@ -76,8 +78,6 @@ class Wanted final : public json::json_sax_t {
   }
 
  private:
-  static constexpr std::size_t kMaxDepth = 64;  // far more than any avatar's
-
   template <std::size_t size>
   static bool IsOneOf(const std::string& name, const std::array<std::string_view, size>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -188,6 +188,50 @@ class Wanted final : public json::json_sax_t {
   std::string refused_;
 };
 
+// Counts the keys of each object, and the values around each value.
+class Shape final : public json::json_sax_t {
+ public:
+  // What is wrong, as an error message; empty if nothing.
+  const std::string& refused() const { return refused_; }
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return false; }  // never in JSON text
+  bool start_object(std::size_t) override { return Open(); }
+  bool start_array(std::size_t) override { return Open(); }
+  bool end_object() override { return Close(); }
+  bool end_array() override { return Close(); }
+  bool key(string_t&) override {
+    if (++keys_.back() <= kMaxKeys) return true;
+    refused_ = "found a JSON object of more than " + std::to_string(kMaxKeys) + " keys";
+    return false;
+  }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override {
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t kMaxKeys = 1024;
+
+  bool Open() {
+    keys_.push_back(0);
+    if (keys_.size() <= kMaxDepth) return true;
+    refused_ = "found JSON that is nested more than " + std::to_string(kMaxDepth) + " deep";
+    return false;
+  }
+  bool Close() {
+    keys_.pop_back();
+    return true;
+  }
+
+  std::vector<std::size_t> keys_;  // per open object or list
+  std::string refused_;
+};
+
 Status CheckVersion(const json& file) {
   const json& version = Member(Member(file, "asset"), "version");
   if (!version.is_string()) {
@@ -271,6 +315,12 @@ Result<Chunks> SplitGlb(std::string_view bytes) {
   if (size > rest.size() - kChunk) return Status::Error("it ends early");
   chunks.data = rest.substr(kChunk, size);
   return chunks;
+}
+
+Status CheckShape(std::string_view text) {
+  Shape shape;
+  (void)json::sax_parse(text.data(), text.data() + text.size(), &shape);
+  return shape.refused().empty() ? Status::Ok() : Status::Error(shape.refused());
 }
 
 Result<json> ParseJson(std::string_view text, std::size_t bytes) {

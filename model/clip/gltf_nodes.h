@@ -93,6 +93,10 @@ std::optional<int> IndexOf(const nlohmann::json& object, const char* key);
 Result<nlohmann::json> ParseJson(std::string_view text, std::size_t bytes);
 // The same with accessors and animations; at most 6 times the file, and 4 MiB.
 Result<nlohmann::json> ParseMotionJson(std::string_view text, std::size_t bytes);
+// Refuses JSON that nlohmann::ordered_json cannot be trusted with: an object of more than 1024
+// keys, which it reads in the square of their number, and values so deep that writing them, which
+// is recursive, might exhaust the stack. Not whether the text is JSON.
+Status CheckShape(std::string_view text);
 // Moves nodes, skins and humanoid out of `file`.
 Result<Model> ReadModel(nlohmann::json& file);
 

@@ -131,6 +131,26 @@ TEST_F(AvatarWrite, RefusesWhatIsNotTheAvatars) {
   EXPECT_FALSE(std::filesystem::exists(out_));
 }
 
+// Keys are kept in their order, for which each is compared with those before it.
+TEST_F(AvatarWrite, RefusesJsonWhoseReadingTakesTooLong) {
+  const auto avatar = ReadAvatar(file_, "auto", {}).value();
+  const json good = DocumentOf(Bytes(file_));
+  json document = good;
+  for (int i = 0; i < 1024; ++i) document["extras"][std::to_string(i)] = 0;
+  Save(document, binary_);
+  EXPECT_THAT(AvatarFile::Read(file_, avatar).status().message(),
+              HasSubstr("avatar.glb: found a JSON object of more than 1024 keys, expected"));
+  document["extras"].erase("made_by");
+  Save(document, binary_);
+  EXPECT_TRUE(AvatarFile::Read(file_, avatar).ok());
+  document = good;
+  for (int i = 0; i < 64; ++i) document["extras"] = json::array({document["extras"]});
+  Save(document, binary_);
+  EXPECT_THAT(AvatarFile::Read(file_, avatar).status().message(),
+              HasSubstr("avatar.glb: found JSON that is nested more than 64 deep, expected"));
+  EXPECT_FALSE(WriteInto(file_, avatar, Walk(avatar), out_).ok());
+}
+
 // Many outputs of one avatar do not read its file again.
 TEST_F(AvatarWrite, TheFileIsReadOnce) {
   const auto avatar = ReadAvatar(file_, "auto", {}).value();
