@@ -198,6 +198,12 @@ class Sampler {
     for (std::size_t frame = 0; frame < frames; ++frame) {
       if (frame % kFramesPerCheck == 0 && work.exceeded()) return work.Refusal();
       clip.frames.push_back(PoseAt(grid.begin_s + static_cast<double>(frame) / grid.rate_hz));
+      const auto& places = clip.frames.back().translations;
+      if (!std::all_of(places.begin(), places.end(), [](const Vec3& v) { return v.allFinite(); })) {
+        return Status::Error(
+            "found scales and translations of more than a number holds, expected "
+            "a humanoid's");
+      }
       if (frame > 0) KeepSigns(clip.frames[frame - 1], clip.frames[frame]);
     }
     return clip;

@@ -191,7 +191,7 @@ class Wanted final : public json::json_sax_t {
 // Counts the keys of each object, and the values around each value.
 class Shape final : public json::json_sax_t {
  public:
-  // What is wrong, as an error message; empty if nothing.
+  // The reason of a refusal; empty if there is none.
   const std::string& refused() const { return refused_; }
 
   bool null() override { return true; }
@@ -242,7 +242,7 @@ Status CheckVersion(const json& file) {
   return WrongVersion(Shown(text.substr(0, 16)));
 }
 
-// The kept values take at most so much memory for each byte of the file, and the allowance.
+// Bytes of memory that the kept values may take per byte of the file, in addition to an allowance.
 constexpr std::size_t kMemoryPerByte = 6;
 
 // Whether a number has so many digits that the parser's copies of it would be most of the memory.

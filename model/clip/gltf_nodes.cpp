@@ -1,6 +1,7 @@
 #include "model/clip/gltf_nodes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -19,6 +20,9 @@ constexpr float kEven = 0.01F;   // scales whose axes differ by less count as un
 constexpr double kLeast = 1e-9;  // scales below it, or above its inverse, count as 0 or infinite
 constexpr std::size_t kMaxNodes = 1 << 16;
 constexpr std::size_t kMaxName = 256;  // bytes of a node's name that are kept
+
+constexpr const char* kExpectedScale =
+    "the same positive scale along all axes on the way to the humanoid's bones";
 
 Status RefuseNode(const Model& model, int node, const std::string& what,
                   const std::string& expected = "a tree of bones") {
@@ -192,7 +196,7 @@ Status CheckChains(const Model& model, const Nodes& nodes, const Humanoid& human
                       nodes.flaw(node) == Nodes::Flaw::kUneven
                           ? "is stretched unevenly"
                           : "has a transform that is not a rotation and scale",
-                      "the same positive scale along all axes on the way to the humanoid's bones");
+                      kExpectedScale);
   }
   return Status::Ok();
 }
@@ -266,6 +270,13 @@ GltfSkeleton Build(const Model& model, const Nodes& nodes, const Humanoid& human
     built.tail[t] = node < 0 ? -1 : index[static_cast<std::size_t>(node)];
   }
   return built;
+}
+
+bool IsFinite(const GltfSkeleton& skeleton) {
+  const auto& offsets = skeleton.skeleton.offsets;
+  return skeleton.above_translation_m.allFinite() && std::isfinite(skeleton.above_scale) &&
+         skeleton.above_scale > 0 &&
+         std::all_of(offsets.begin(), offsets.end(), [](const Vec3& v) { return v.allFinite(); });
 }
 
 }  // namespace
@@ -366,6 +377,11 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
                          std::to_string(rig::kMaxSourceJoints));
   }
   Bones bones{order, Build(model, nodes, humanoid, order)};
+  if (!IsFinite(bones.skeleton)) {
+    return Status::Error(
+        "found nodes whose scales multiply to more than a number holds, expected " +
+        std::string(kExpectedScale));
+  }
   bones.skeleton.nodes = bones.nodes;
   bones.skeleton.t_pose = vrm;
   return bones;

@@ -152,6 +152,20 @@ TEST(GltfClip, AFileWithoutAClipIsRefusedWithTheReason) {
          "expected finite numbers below 1000000");
     with([bad](Parts& p) { std::memcpy(p.At(p.input(0)) + 8, &bad, 4); }, "expected finite");
   }
+  with(
+      [](Parts& p) {
+        for (std::size_t at = 0; at < 4; ++at) p.document["nodes"][at]["scale"] = {9e8, 9e8, 9e8};
+        for (std::size_t i = 0; i < 4; ++i) {
+          json& channel = p.document["animations"][0]["channels"][i];
+          if (channel["target"]["path"] != "translation") continue;
+          channel["target"]["node"] = 4;
+          for (int key = 0; key < 31; ++key) {
+            const float far = 9e5F;
+            std::memcpy(p.At(p.output(i)) + 12 * key, &far, 4);
+          }
+        }
+      },
+      "more than a number holds");
   with([](Parts& p) { std::memset(p.At(p.input(0)) + 8, 0, 4); }, "found times that do not rise");
   with(
       [](Parts& p) {

@@ -302,6 +302,11 @@ TEST_F(GltfReadTest, AFileWithoutAnAvatarIsRefusedWithTheReason) {
     }
   }
   ExpectRefused([](json& a) { a["nodes"][3]["translation"] = {0, 1e60, 0}; }, node(3) + kRigid);
+  ExpectRefused(
+      [](json& a) {
+        for (const int at : {1, 2, 3, 6, 7}) a["nodes"][at]["scale"] = {9e8, 9e8, 9e8};
+      },
+      "found nodes whose scales multiply to more than a number holds, expected the same");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {0}; }, node(0) + "is its own ancestor");
   ExpectRefused([](json& a) { a["nodes"][3]["children"] = {999}; }, node(3) + "has a child that");
   ExpectRefused([](json& a) { a["nodes"][2]["children"].push_back(21); },
