@@ -1,5 +1,7 @@
-// Writes small animations of the humanoid as seeds of gltf_fuzz: glTF binary by names, and VRM
-// Animation by its table.
+// Writes small animations of the humanoid as seeds of gltf_fuzz: glTF binary by names, with packed
+// data, and VRM Animation by its table.
+#include <meshoptimizer.h>
+
 #include <cstring>
 #include <span>
 #include <string>
@@ -29,10 +31,10 @@ std::vector<std::byte> Glb(int frames) {
   return bytes.ok() ? bytes.value() : std::vector<std::byte>();
 }
 
-// `text` in place of the JSON of a .glb.
-std::vector<std::byte> WithText(std::string text) {
+// A .glb of this JSON and, if there is one, this binary chunk.
+std::vector<std::byte> WithText(std::string text, const std::string& data = "") {
   text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::vector<std::byte> bytes(20 + text.size());
+  std::vector<std::byte> bytes(20 + text.size() + (data.empty() ? 0 : 8 + data.size()));
   const auto word = [&bytes](std::size_t at, std::size_t value) {
     const auto word = static_cast<std::uint32_t>(value);
     std::memcpy(bytes.data() + at, &word, 4);
@@ -43,7 +45,37 @@ std::vector<std::byte> WithText(std::string text) {
   word(12, text.size());
   word(16, 0x4E4F534A);
   std::memcpy(bytes.data() + 20, text.data(), text.size());
+  if (data.empty()) return bytes;
+  word(20 + text.size(), data.size());
+  word(24 + text.size(), 0x004E4942);
+  std::memcpy(bytes.data() + 28 + text.size(), data.data(), data.size());
   return bytes;
+}
+
+// The hips turned, by rows of 8 bytes that EXT_meshopt_compression packs, with this filter.
+std::vector<std::byte> Packed(const std::string& filter) {
+  constexpr std::size_t kRows = 20, kStride = 8;
+  const float times_s[kRows] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
+                                10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+  float turns[4 * kRows];
+  for (std::size_t i = 0; i < 4 * kRows; ++i) turns[i] = 0.5F;
+  std::string rows(kRows * kStride, '\0'), data(sizeof times_s, '\0');
+  meshopt_encodeFilterQuat(rows.data(), kRows, kStride, 16, turns);
+  std::memcpy(data.data(), times_s, sizeof times_s);
+  std::string packed(meshopt_encodeVertexBufferBound(kRows, kStride), '\0');
+  packed.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(packed.data()),
+                                           packed.size(), rows.data(), kRows, kStride));
+  return WithText(
+      R"({"asset":{"version":"2.0"},"nodes":[{"name":"hips"}],"animations":[{"channels":)"
+      R"([{"sampler":0,"target":{"node":0,"path":"rotation"}}],"samplers":)"
+      R"([{"input":0,"output":1}]}],"buffers":[{},{}],"accessors":[)"
+      R"({"bufferView":0,"componentType":5126,"count":20,"type":"SCALAR"},)"
+      R"({"bufferView":1,"componentType":5122,"normalized":true,"count":20,"type":"VEC4"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":80},{"buffer":1,"byteLength":160,"extensions":)"
+      R"({"EXT_meshopt_compression":{"buffer":0,"byteOffset":80,"byteStride":8,"count":20,)"
+      R"("mode":"ATTRIBUTES","filter":")" +
+          filter + R"(","byteLength":)" + std::to_string(packed.size()) + "}}}]}",
+      data + packed);
 }
 
 }  // namespace
@@ -51,7 +83,8 @@ std::vector<std::byte> WithText(std::string text) {
 int main(int argc, char** argv) {
   return fuzz::WriteSeeds(
       argc, argv,
-      {Glb(1), Glb(3),
+      {Glb(1), Glb(3), Packed("NONE"), Packed("QUATERNION"), Packed("OCTAHEDRAL"),
+       Packed("EXPONENTIAL"),
        WithText(
            R"({"asset":{"version":"2.0"},"nodes":[{"name":"hips","children":[1]},)"
            R"({"name":"b","matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}],)"
