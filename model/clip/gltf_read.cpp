@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "model/base/work_limit.h"
 #include "model/clip/gltf_nodes.h"
 #include "model/clip/read_file.h"
 
@@ -43,6 +45,9 @@ std::string NotGltf(std::string_view read) {
 constexpr std::size_t kMaxUris = 4096;
 constexpr std::ptrdiff_t kMaxParts = 16;   // folders on such a path
 constexpr std::size_t kMaxUriSize = 1024;  // bytes of such a path
+// The time for all of them: a folder may be a link that leads through 40 others, each with a
+// thousand folders on its way, and following it takes 20 ms.
+constexpr auto kMaxFollowing = std::chrono::seconds(1);
 
 // Decodes URI escapes: "../a%2Fb" becomes "../a/b". A "%" that begins no escape is kept.
 std::string Unescaped(std::string_view uri) {
@@ -99,6 +104,8 @@ Status CheckUris(const json& file, const std::filesystem::path& folder) {
   std::error_code error;
   const auto home = std::filesystem::weakly_canonical(folder, error);
   if (error) return Status::Error("the avatar's folder cannot be followed: " + error.message());
+  const auto work =
+      WorkLimit::Within(kMaxFollowing, "buffers and images at the end of short paths");
   for (const char* const list : {"buffers", "images"}) {
     const json& entries = Member(file, list);
     if (!entries.is_array()) continue;
@@ -109,6 +116,7 @@ Status CheckUris(const json& file, const std::filesystem::path& folder) {
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const json& uri = Member(entries[i], "uri");
       if (!uri.is_string()) continue;
+      if (work.exceeded()) return work.Refusal();
       const auto& text = uri.get_ref<const std::string&>();
       const std::string wrong = LeadsOut(text, home);
       if (wrong.empty()) continue;

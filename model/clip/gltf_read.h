@@ -32,11 +32,11 @@ struct GltfSkeleton {
 // to the offsets. A node that is stretched unevenly, mirrored or of scale 0 is left out, with what
 // hangs from it; the file is refused only if that holds for a node between the root and a bone of
 // the humanoid, fingers and the like included. Buffers and images are never opened; a file that
-// refers to one outside its folder is refused. Other errors: not a regular file, not glTF, glTF 1,
-// nodes that do not form a tree, no hips. Errors name the file, the node by number and name, and
-// what was expected. Allocates; any thread. Pinned by tests/unit/clip/gltf_read_test.cpp. Sources:
-// glTF 2.0 (Khronos), VRM 0.x and
-// VRMC_vrm-1.0.
+// refers to one outside its folder is refused, and so is one whose paths to them take longer than a
+// second to follow. Other errors: not a regular file, not glTF, glTF 1, nodes that do not form a
+// tree, no hips. Errors name the file, the node by number and name, and what was expected.
+// Allocates; any thread. Pinned by tests/unit/clip/gltf_read_test.cpp, hostile_clips_test.cpp.
+// Sources: glTF 2.0 (Khronos), VRM 0.x and VRMC_vrm-1.0.
 Result<GltfSkeleton> ReadGltfSkeleton(const std::filesystem::path& file,
                                       const rig::JointNames& given = {});
 

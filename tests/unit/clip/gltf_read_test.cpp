@@ -418,6 +418,12 @@ std::string Many(const std::string& entry, int count) {
   return "[" + text + "]";
 }
 
+std::string Times(int count, const std::string& text) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
+
 // A daemon reads avatars on the thread that feeds its watchdog. The time limits are the watchdog's,
 // not performance goals: work proportional to the file takes a hundredth of them.
 class GltfWorkTest : public GltfReadTest {
@@ -477,11 +483,25 @@ TEST_F(GltfWorkTest, AChainOfNodesTakesWorkInProportion) {
 }
 
 TEST_F(GltfWorkTest, APathOfManyFoldersIsRefused) {
-  std::string deep;
-  for (int i = 0; i < 100; ++i) deep += "./";
-  Expect(R"("buffers": [{"uri": ")" + deep + "a.bin\"}]", "lies more than 16 folders deep");
+  Expect(R"("buffers": [{"uri": ")" + Times(100, "./") + "a.bin\"}]",
+         "lies more than 16 folders deep");
   Expect(R"("images": [{"uri": ")" + std::string(5000, 'a') + "\"}]",
          "has more than 1024 characters, expected a file in the avatar's own folder");
+}
+
+// A link through 39 others, each of which has 2,000 folders on its way.
+TEST_F(GltfWorkTest, PathsThroughManyLinksAreFollowedForASecond) {
+  constexpr int kLinks = 39;
+  std::filesystem::create_directory(folder_ / "end");
+  for (int i = 0; i < kLinks; ++i) {
+    const std::string next = i + 1 < kLinks ? "link" + std::to_string(i + 1) : "end";
+    std::filesystem::create_symlink(Times(2000, "./") + next,
+                                    folder_ / ("link" + std::to_string(i)));
+  }
+  const std::string uri = R"({"uri": "link0)" + Times(13, "/.") + "/x.bin\"}";
+  Expect(
+      "\"buffers\": " + Many(uri, 4096) + ", \"images\": " + Many(uri, 4096),
+      "avatar.gltf: took longer than 1 s, expected buffers and images at the end of short paths");
 }
 
 // The header of a .glb states the length of its JSON; the file itself may be smaller.
