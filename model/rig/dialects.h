@@ -20,8 +20,9 @@ std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 // Joints named in the configuration, where conventions do not help: pairs of the canonical name
 // (leftUpperArm) and the source's name; "" if the source has none.
 using JointNames = std::vector<std::pair<std::string, std::string>>;
-// MapJointNames, overridden by `given`. Errors: a name that is not a canonical joint's, a joint
-// that the skeleton lacks, and a source joint given for two canonical ones.
+// The map of FindHumanoid (rig/find_humanoid.h): by the tree and names, joints `given` by hand
+// fixed. Errors: a name that is not a canonical joint's, a joint that the skeleton lacks, a source
+// joint given for two canonical ones, a tree that can be read in two ways.
 Result<std::array<int, body::kJointCount>> MapJoints(const Skeleton& skeleton,
                                                      const JointNames& given);
 

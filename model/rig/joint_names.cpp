@@ -310,35 +310,4 @@ std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
   return map;
 }
 
-Result<std::array<int, kJointCount>> MapJoints(const Skeleton& skeleton, const JointNames& given) {
-  auto map = MapJointNames(skeleton);
-  std::array<bool, kJointCount> by_hand{};
-  for (const auto& [canonical, name] : given) {
-    const auto row = std::find_if(body::kHumanoid.begin(), body::kHumanoid.end(),
-                                  [&](const body::JointRow& r) { return r.name == canonical; });
-    if (row == body::kHumanoid.end()) {
-      return Status::Error("joints: found \"" + canonical +
-                           "\", expected a joint of the canonical humanoid, e.g. leftUpperArm");
-    }
-    const auto c = static_cast<std::size_t>(row - body::kHumanoid.begin());
-    const auto joint = std::find(skeleton.names.begin(), skeleton.names.end(), name);
-    if (!name.empty() && joint == skeleton.names.end()) {
-      return Status::Error("joints." + canonical + ": the rig has no joint \"" + name + "\"");
-    }
-    const int source = name.empty() ? -1 : static_cast<int>(joint - skeleton.names.begin());
-    // Unmap it from the canonical joint that its name had given it to.
-    for (std::size_t other = 0; source >= 0 && other < map.size(); ++other) {
-      if (map[other] != source || other == c) continue;
-      if (by_hand[other]) {
-        return Status::Error("joints: \"" + name + "\" is given for " +
-                             std::string(body::kHumanoid[other].name) + " and for " + canonical);
-      }
-      map[other] = -1;
-    }
-    map[c] = source;
-    by_hand[c] = true;
-  }
-  return map;
-}
-
 }  // namespace styled::rig

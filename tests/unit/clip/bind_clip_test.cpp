@@ -88,12 +88,18 @@ TEST(BindClipRefuses, WhatItCannotBind) {
   EXPECT_THAT(Refusal(clip, "auto", "7"),
               HasSubstr("found no frame at 7 s, expected 0 to 0.967 s"));
   EXPECT_THAT(Refusal(clip, "auto", "auto", {{"neck", "Neck"}}), HasSubstr("no joint \"Neck\""));
-  clip.skeleton.names[body::kLeftLowerLeg] = "wheel";
+  const std::vector<int> whole = clip.skeleton.parents;
+  for (const int c : {body::kLeftLowerLeg, body::kLeftFoot, body::kLeftToes}) {
+    clip.skeleton.names[c] = "wheel" + std::to_string(c);
+    clip.skeleton.parents[c] = body::kHips;
+  }
   const std::string refusal = Refusal(clip, "auto", "auto");
   EXPECT_THAT(refusal, HasSubstr("found no joint named like leftLowerLeg"));
   EXPECT_THAT(refusal, HasSubstr("its joints: hips, spine, chest")) << "to name them by hand";
   EXPECT_THAT(refusal, HasSubstr("wheel"));
-  EXPECT_EQ(Refusal(clip, "auto", "auto", {{"leftLowerLeg", "wheel"}}), "accepted");
+  clip.skeleton.parents = whole;
+  EXPECT_EQ(Refusal(clip, "auto", "auto", {{"leftLowerLeg", "wheel14"}}), "accepted");
+  EXPECT_EQ(Refusal(clip, "auto", "auto"), "accepted") << "the tree alone tells the leg";
 }
 
 TEST(BindClip, LeavesToTheDialectWhatItKnows) {

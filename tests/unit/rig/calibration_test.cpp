@@ -104,7 +104,7 @@ TEST(CalibrationTest, NamesTheJointThatStandsWrongAndTheLargestAngle) {
 TEST(CalibrationTest, RefusesASkeletonWhoseJointsItCannotName) {
   Random random(1);
   Unknown rig(random, Quat::Identity(), false);
-  rig.skeleton.names[body::kLeftLowerLeg] = "wibble";
+  LoseLeftLeg(rig.skeleton);
   const auto result =
       Calibrate(rig.skeleton, rig.Pose(Standing(StandingPose::kT)), StandingPose::kT);
   ASSERT_FALSE(result.ok());

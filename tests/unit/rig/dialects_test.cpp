@@ -50,7 +50,7 @@ TEST(Dialects, SomeAreToldByTheirNamesAlone) {
 
 TEST(DialectsRefuse, JointsThatCannotBeMappedByName) {
   Skeleton skeleton = HumanoidSkeleton();
-  skeleton.names[body::kLeftLowerLeg] = "wheel";
+  LoseLeftLeg(skeleton);
   EXPECT_THAT(Refusal(skeleton), HasSubstr("found no joint named like leftLowerLeg,"));
 }
 

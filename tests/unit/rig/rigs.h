@@ -25,6 +25,15 @@ inline Skeleton HumanoidSkeleton() {
   return skeleton;
 }
 
+// Hangs what is below the left upper leg from the hips under names that say nothing, so that
+// neither the tree nor names find the lower leg.
+inline void LoseLeftLeg(Skeleton& skeleton) {
+  for (const int c : {body::kLeftLowerLeg, body::kLeftFoot, body::kLeftToes}) {
+    skeleton.names[static_cast<std::size_t>(c)] = "wheel" + std::to_string(c);
+    skeleton.parents[static_cast<std::size_t>(c)] = body::kHips;
+  }
+}
+
 inline BindingSpec HumanoidSpec() {
   BindingSpec spec;
   spec.skeleton = HumanoidSkeleton();
