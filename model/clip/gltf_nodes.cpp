@@ -4,9 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
 
-#include "model/rig/dialects.h"
+#include "model/rig/find_humanoid.h"
 
 namespace styled::clip::gltf {
 namespace {
@@ -146,8 +147,58 @@ std::string NameOf(const Model& model, int node) {
   return name.empty() ? "node_" + std::to_string(node) : name;
 }
 
-// Maps the skins' joints by their names; every node if the file has no skin.
-Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
+// Bones with the nodes above them as one skeleton in the file's pose.
+struct Tree {
+  rig::Skeleton skeleton;
+  rig::RigPose stance;
+  std::vector<int> nodes;  // per joint; -1 for the root, which the file does not have
+};
+Tree TreeOf(const Model& model, const Nodes& nodes, const std::set<int>& bones) {
+  std::vector<bool> wanted(model.nodes.size(), false);
+  for (int bone : bones) {
+    for (; bone >= 0 && !wanted[static_cast<std::size_t>(bone)]; bone = nodes.parent(bone)) {
+      wanted[static_cast<std::size_t>(bone)] = true;
+    }
+  }
+  Tree tree;
+  struct Open {
+    int node, parent;
+    float scale;  // of all nodes above
+  };
+  std::vector<Open> open;
+  const auto add = [&](int node, int parent, const std::string& name, const Vec3& offset) {
+    tree.nodes.push_back(node);
+    tree.skeleton.names.push_back(name);
+    tree.skeleton.parents.push_back(parent);
+    tree.skeleton.offsets.push_back(offset);
+    return tree.skeleton.joint_count() - 1;
+  };
+  add(-1, -1, "", Vec3::Zero());
+  for (std::size_t node = model.nodes.size(); node > 0; --node) {
+    const int root = static_cast<int>(node) - 1;
+    if (wanted[node - 1] && nodes.parent(root) < 0) open.push_back({root, 0, 1});
+  }
+  while (!open.empty()) {
+    const auto [node, parent, scale] = open.back();
+    open.pop_back();
+    const Transform& local = nodes.local(node);
+    const int joint = add(node, parent, NameOf(model, node), scale * local.translation);
+    const auto& children = model.nodes[static_cast<std::size_t>(node)].children;
+    for (auto child = children.rbegin(); child != children.rend(); ++child) {
+      if (wanted[static_cast<std::size_t>(*child)]) {
+        open.push_back({*child, joint, scale * local.scale});
+      }
+    }
+  }
+  tree.stance = rig::RigPose(tree.skeleton);
+  for (std::size_t joint = 1; joint < tree.nodes.size(); ++joint) {
+    tree.stance.rotations[joint] = nodes.local(tree.nodes[joint]).rotation;
+  }
+  return tree;
+}
+
+// Finds the humanoid among the skins' joints; among all nodes if the file has no skin.
+Result<Humanoid> ReadNames(const Model& model, const Nodes& nodes, const rig::JointNames& given) {
   Humanoid humanoid;
   for (const auto& skin : model.skins) {
     for (const int joint : skin) {
@@ -159,15 +210,13 @@ Result<Humanoid> ReadNames(const Model& model, const rig::JointNames& given) {
       humanoid.bones.insert(static_cast<int>(node));
     }
   }
-  const std::vector<int> nodes(humanoid.bones.begin(), humanoid.bones.end());
-  rig::Skeleton named;
-  for (const int node : nodes) named.names.push_back(NameOf(model, node));
-  const auto map = rig::MapJoints(named, given);
+  const Tree tree = TreeOf(model, nodes, humanoid.bones);
+  const auto map = rig::FindHumanoid(tree.skeleton, given, std::span(&tree.stance, 1));
   if (!map.ok()) return map.status();
-  humanoid.joint = map.value();
-  humanoid.tail = rig::MapTailNames(named);
-  const auto to_node = [&nodes](int& joint) {
-    if (joint >= 0) joint = nodes[static_cast<std::size_t>(joint)];
+  humanoid.joint = map.value().joint;
+  humanoid.tail = rig::MapTailNames(tree.skeleton);
+  const auto to_node = [&tree](int& joint) {
+    if (joint >= 0) joint = tree.nodes[static_cast<std::size_t>(joint)];
   };
   std::for_each(humanoid.joint.begin(), humanoid.joint.end(), to_node);
   std::for_each(humanoid.tail.begin(), humanoid.tail.end(), to_node);
@@ -356,7 +405,7 @@ Result<Bones> FindBones(const Model& model, const Nodes& nodes, const rig::Joint
   Humanoid humanoid = ReadVrm(model);
   const bool vrm = humanoid.found && given.empty();
   if (!vrm) {
-    auto named = ReadNames(model, given);
+    auto named = ReadNames(model, nodes, given);
     if (!named.ok()) return named.status();
     humanoid = named.value();
   }

@@ -20,10 +20,11 @@ using body::kJointCount;
 
 // The lead of a reading over the next one, and cosines. No data set picked these numbers; they
 // hold on the conventions and random skeletons of the test.
-constexpr std::size_t kMaxShown = 64;  // bytes of a joint's name in a message
-constexpr float kDoubt = 1.0F;         // a lead below this is asked about
-constexpr float kSecondBody = 12.0F;   // a lead below this over other limbs is mentioned
-constexpr float kBackwards = 0.5F;     // of a cosine: the toes contradict the names
+constexpr std::size_t kMaxTree = 1024;  // joints; avatars have hair and skirts
+constexpr std::size_t kMaxShown = 64;   // bytes of a joint's name in a message
+constexpr float kDoubt = 1.0F;          // a lead below this is asked about
+constexpr float kSecondBody = 12.0F;    // a lead below this over other limbs is mentioned
+constexpr float kBackwards = 0.5F;      // of a cosine: the toes contradict the names
 // Of 2,000 random bodies the tree alone scores -0.9 at least and 0.6 for 95 of 100, pairs of hands
 // -5 to -1.
 constexpr float kImplausible = -3.0F, kPlausible = 0.5F;
@@ -321,7 +322,7 @@ Status Doubt(const Skeleton& skeleton, const Difference& difference) {
 
 bool HasTree(const Skeleton& skeleton) {
   const auto count = skeleton.names.size();
-  if (count == 0 || count > kMaxSourceJoints || skeleton.parents.size() != count ||
+  if (count == 0 || count > kMaxTree || skeleton.parents.size() != count ||
       skeleton.offsets.size() != count || skeleton.parents[0] != -1) {
     return false;
   }
