@@ -23,7 +23,8 @@ static_assert(kBoneEnd[body::kHips] == body::kSpine && kBoneEnd[body::kChest] ==
 struct Standing {
   std::array<bool, kJointCount> mapped{};
   std::array<Vec3, kJointCount> positions;
-  float smallest_bone = 0;  // a shorter bone has no reliable direction
+  float smallest_bone = 0;     // a shorter bone has no reliable direction
+  float smallest_collars = 0;  // nor have collars that are nearer: 2 cm on an adult
 };
 
 // The direction of the bone that begins at `joint`, in the standing pose and in the T-pose.
@@ -42,11 +43,25 @@ Bone FindBone(const Standing& pose, int joint) {
   return {};
 }
 
-// The direction from the right joint of a pair to the left one; zero if either is missing.
-Vec3 Across(const Standing& pose, body::Joint left, body::Joint right) {
+// The direction from the right joint of a pair to the left one; zero if either is missing, or they
+// are nearer than `least`.
+Vec3 Across(const Standing& pose, body::Joint left, body::Joint right, float least) {
   if (!pose.mapped[left] || !pose.mapped[right]) return Vec3::Zero();
   const Vec3 across = pose.positions[left] - pose.positions[right];
-  return across.norm() > pose.smallest_bone ? Vec3(across.normalized()) : Vec3(Vec3::Zero());
+  return across.norm() > least ? Vec3(across.normalized()) : Vec3(Vec3::Zero());
+}
+
+// The direction across the shoulders, of collars or else of upper arms: the first that runs beside
+// that of the hips. Collars may begin a millimetre apart on the spine, in any direction.
+Vec3 AcrossChest(const Standing& pose) {
+  constexpr float kLeastCosine = 0.7F;  // 45 degrees: nobody stands more twisted
+  const Vec3 hips = Across(pose, body::kLeftUpperLeg, body::kRightUpperLeg, pose.smallest_bone);
+  for (const auto& [left, right] : {std::pair{body::kLeftShoulder, body::kRightShoulder},
+                                    std::pair{body::kLeftUpperArm, body::kRightUpperArm}}) {
+    const Vec3 across = Across(pose, left, right, pose.smallest_collars);
+    if (!across.isZero() && (hips.isZero() || across.dot(hips) > kLeastCosine)) return across;
+  }
+  return Vec3::Zero();
 }
 
 // The rotation that takes `left` to +X and the plane of `left` and `up` to that of +X and +Y.
@@ -71,11 +86,10 @@ Quat Swing(const Standing& pose, int joint, const Quat& parent_swing, const Quat
   if (!bone.found) return parent_swing;
   if (joint == body::kLeftFoot || joint == body::kRightFoot) return FaceForward(bone.standing);
   Vec3 left = Vec3::Zero();
-  if (joint == body::kHips) left = Across(pose, body::kLeftUpperLeg, body::kRightUpperLeg);
-  if (joint == body::kChest) {
-    left = Across(pose, body::kLeftShoulder, body::kRightShoulder);
-    if (left.isZero()) left = Across(pose, body::kLeftUpperArm, body::kRightUpperArm);
+  if (joint == body::kHips) {
+    left = Across(pose, body::kLeftUpperLeg, body::kRightUpperLeg, pose.smallest_bone);
   }
+  if (joint == body::kChest) left = AcrossChest(pose);
   if (!left.isZero()) return SwingTwoAxes(left, bone.standing);
   // The shortest arc that is left after the parent's swing.
   return body::ShortestTurn(parent_swing * bone.standing, bone.rest) * parent_swing;
@@ -97,8 +111,10 @@ std::vector<Quat> RestBySwing(const Skeleton& skeleton,
   }
   if (pose.mapped[body::kHips] && pose.mapped[body::kLeftUpperLeg] &&
       pose.mapped[body::kLeftLowerLeg]) {
-    pose.smallest_bone =
-        1e-3F * (pose.positions[body::kLeftLowerLeg] - pose.positions[body::kLeftUpperLeg]).norm();
+    const float thigh =
+        (pose.positions[body::kLeftLowerLeg] - pose.positions[body::kLeftUpperLeg]).norm();
+    pose.smallest_bone = 1e-3F * thigh;
+    pose.smallest_collars = 0.05F * thigh;
   }
 
   std::array<Quat, kJointCount> swing;
