@@ -48,8 +48,11 @@ Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::
                       const clip::ReadLimits& limits) {
   auto clip = clip::ParseBvh(like.clip(), name, limits);
   if (!clip.ok()) return clip.status();
-  const auto bound = clip::BindClip(clip.value(), rig);
+  const auto bound = clip::BindClip(clip.value(), {.dialect = rig});
   if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
+  std::string& remark = clip.value().remark;
+  const std::string& own = bound.value().remark;
+  remark += (remark.empty() || own.empty() ? "" : "; ") + own;
   return Bound(std::move(clip), bound.value().binding, name, limits.work);
 }
 

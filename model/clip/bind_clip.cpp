@@ -12,6 +12,8 @@
 
 #include "model/base/text.h"
 #include "model/rig/calibration.h"
+#include "model/rig/check_binding.h"
+#include "model/rig/motion_up.h"
 
 namespace styled::clip {
 namespace {
@@ -248,12 +250,81 @@ Result<Stander> FrameAt(const Clip& clip, const JointMap& map, double time_s) {
   return Judge(clip.skeleton, map, clip.frames[index], FrameName(clip, index));
 }
 
+// Frames from all of a clip, for what is true of most of it.
+std::vector<RigPose> SomeFrames(const Clip& clip) {
+  constexpr std::size_t kFrames = 40;
+  const std::size_t stride = std::max<std::size_t>(1, clip.frames.size() / kFrames);
+  std::vector<RigPose> frames;
+  for (std::size_t i = 0; i < clip.frames.size(); i += stride) frames.push_back(clip.frames[i]);
+  return frames;
+}
+
+std::string AxisText(const Vec3& axis) {
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  return (axis[largest] < 0 ? "-" : "+") + std::string(1, "XYZ"[largest]);
+}
+
+// Turns the binding to the motion's up axis, and writes the remark.
+Status Check(const std::vector<RigPose>& frames, const std::optional<Vec3>& wanted,
+             BoundClip& bound) {
+  bound.remark = bound.map.remark;
+  const auto say = [&bound](const std::string& sentence) {
+    if (sentence.empty()) return;
+    bound.remark += (bound.remark.empty() ? "" : "; ") + sentence;
+  };
+  const Vec3 was = rig::UpOf(bound.binding);
+  const auto up = wanted ? wanted : rig::UpOfMotion(bound.binding, frames);
+  if (up && up->dot(was) < 0.99F) {
+    auto turned = rig::WithUp(bound.binding, *up);
+    if (!turned.ok()) return turned.status();
+    bound.binding = std::move(turned.value());
+    if (!wanted) {
+      say("the zero pose stands along " + AxisText(was) + ", the frames along " + AxisText(*up) +
+          ", which is taken for up");
+    }
+  }
+  say(rig::WrongBone(bound.binding, frames));
+  return Status::Ok();
+}
+
 std::string Names(const rig::Skeleton& skeleton) {
   std::string names;
   for (std::size_t i = 0; i < std::min(skeleton.names.size(), kNamesShown); ++i) {
     names += (i == 0 ? "" : ", ") + Printable(skeleton.names[i], kShownName);
   }
   return names + (skeleton.names.size() > kNamesShown ? ", ..." : "");
+}
+
+Result<BoundClip> BindPose(const Clip& clip, const BindOptions& options, const JointMap& map) {
+  const std::string& dialect = options.dialect;
+  const RestPose& rest = options.rest;
+  std::string used;
+  auto known = rig::BindMapped(clip.skeleton, dialect, &used, map);
+  if (rest.kind == RestPose::Kind::kAuto && known.ok()) {
+    return BoundClip{std::move(known.value()), used, "", {}, ""};
+  }
+  if (!known.ok() && dialect != "auto" &&
+      (rest.kind == RestPose::Kind::kAuto || !rig::IsDialect(dialect))) {
+    return known.status();
+  }
+  if (!rig::CanCalibrate(map).ok()) {
+    return Status::Error(known.status().message() + "; its joints: " + Names(clip.skeleton));
+  }
+  const auto stander = rest.kind == RestPose::Kind::kTime ? FrameAt(clip, map, rest.time_s)
+                                                          : FindStander(clip, map, rest.kind);
+  if (!stander.ok()) {
+    return Status::Error("found no pose to take the T-pose from (" + stander.status().message() +
+                         "), expected an upright one");
+  }
+  auto binding = rig::BindStanding(clip.skeleton, map, stander.value().pose, false);
+  if (!binding.ok()) return binding.status();
+  const std::string_view named = rig::DialectOfNames(clip.skeleton);
+  return BoundClip{std::move(binding.value()),
+                   std::string(named.empty() ? "standing" : named),
+                   stander.value().name,
+                   {},
+                   ""};
 }
 
 }  // namespace
@@ -275,36 +346,28 @@ Result<RestPose> ParseRestPose(const std::string& text) {
                        "stands");
 }
 
-Result<BoundClip> BindClip(const Clip& clip, std::string_view dialect, const RestPose& rest,
-                           const rig::JointNames& given) {
-  std::string used;
-  auto known = rig::BindDialect(clip.skeleton, dialect, &used, given);
-  if (rest.kind == RestPose::Kind::kAuto && known.ok()) {
-    return BoundClip{std::move(known.value()), used, ""};
+Result<std::optional<Vec3>> ParseUp(const std::string& text) {
+  if (text == "auto") return std::optional<Vec3>();
+  const bool minus = text.starts_with('-');
+  const std::size_t axis = std::string_view("xyz").find(text.substr(minus ? 1 : 0));
+  if (text.size() != (minus ? 2U : 1U) || axis == std::string_view::npos) {
+    return Status::Error("'" + text + "': expected auto, x, y, z, -x, -y or -z");
   }
-  if (!known.ok() && dialect != "auto" &&
-      (rest.kind == RestPose::Kind::kAuto || !rig::IsDialect(dialect))) {
-    return known.status();
-  }
-  const auto map = rig::MapJoints(clip.skeleton, given);
+  return std::optional<Vec3>((minus ? -1.0F : 1.0F) * Vec3::Unit(static_cast<int>(axis)));
+}
+
+Result<BoundClip> BindClip(const Clip& clip, const BindOptions& options) {
+  const std::vector<RigPose> frames = SomeFrames(clip);
+  auto map = rig::FindHumanoid(clip.skeleton, options.joints, frames);
   if (!map.ok()) {
     return Status::Error(map.status().message() + "; its joints: " + Names(clip.skeleton));
   }
-  if (!rig::CanCalibrate(clip.skeleton, given).ok()) {
-    return Status::Error(known.status().message() + "; its joints: " + Names(clip.skeleton));
-  }
-  const auto stander = rest.kind == RestPose::Kind::kTime
-                           ? FrameAt(clip, map.value(), rest.time_s)
-                           : FindStander(clip, map.value(), rest.kind);
-  if (!stander.ok()) {
-    return Status::Error("found no pose to take the T-pose from (" + stander.status().message() +
-                         "), expected an upright one");
-  }
-  auto binding = rig::BindStanding(clip.skeleton, map.value(), stander.value().pose, false);
-  if (!binding.ok()) return binding.status();
-  const std::string_view named = rig::DialectOfNames(clip.skeleton);
-  return BoundClip{std::move(binding.value()), std::string(named.empty() ? "standing" : named),
-                   stander.value().name};
+  auto bound = BindPose(clip, options, map.value().joint);
+  if (!bound.ok()) return bound;
+  bound.value().map = std::move(map.value());
+  const Status status = Check(frames, options.up, bound.value());
+  if (!status.ok()) return status;
+  return bound;
 }
 
 Clip WithTPose(Clip clip, const rig::Binding& binding) {

@@ -117,6 +117,8 @@ Status CanCalibrate(const Skeleton& skeleton, const JointNames& given) {
   return map.ok() ? RequireMapped(map.value(), "calibrate") : map.status();
 }
 
+Status CanCalibrate(const JointMap& map) { return RequireMapped(map, "calibrate"); }
+
 Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose,
                              const JointNames& given) {
   const auto mapped = MapJoints(skeleton, given);

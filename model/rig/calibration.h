@@ -48,5 +48,6 @@ Result<Binding> BindStanding(const Skeleton& skeleton,
 
 // Whether the skeleton has the joints that Calibrate needs; the error names the missing ones.
 Status CanCalibrate(const Skeleton& skeleton, const JointNames& given = {});
+Status CanCalibrate(const std::array<int, body::kJointCount>& map);
 
 }  // namespace styled::rig

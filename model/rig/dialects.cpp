@@ -278,6 +278,13 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
       return Binding::Make({skeleton, {}, {}, Quat::Identity()});
     }
   }
+  const auto mapped = MapJoints(skeleton, given);
+  if (!mapped.ok()) return mapped.status();
+  return BindMapped(skeleton, dialect, used, mapped.value());
+}
+
+Result<Binding> BindMapped(const Skeleton& skeleton, std::string_view dialect, std::string* used,
+                           const JointMap& map) {
   const std::string_view name = dialect == "auto" ? DialectOfNames(skeleton) : dialect;
   const Dialect* const row = FindDialect(name);
   Rest rest = row != nullptr ? row->rest : Rest::kIdentity;
@@ -285,10 +292,6 @@ Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect, 
     return Status::Error("rig: found dialect " + Printable(dialect, kMaxShown) +
                          ", expected one of " + KnownDialects());
   }
-
-  const auto mapped = MapJoints(skeleton, given);
-  if (!mapped.ok()) return mapped.status();
-  const JointMap& map = mapped.value();
   if (Status status = RequireMapped(map, dialect); !status.ok()) return status;
   Candidate candidate = Try(skeleton, map, rest);
   if (!candidate.judged.fault.empty() && dialect == "auto" && rest != Rest::kIdentity) {

@@ -43,6 +43,10 @@ Result<std::array<int, body::kJointCount>> MapJoints(const Skeleton& skeleton,
 Result<Binding> BindDialect(const Skeleton& skeleton, std::string_view dialect = "auto",
                             std::string* used = nullptr, const JointNames& given = {});
 
+// The same for joints that are mapped already (FindHumanoid).
+Result<Binding> BindMapped(const Skeleton& skeleton, std::string_view dialect, std::string* used,
+                           const std::array<int, body::kJointCount>& map);
+
 // Whether BindDialect accepts it; "auto" counts as a dialect.
 bool IsDialect(std::string_view name);
 // The dialect that is the only one with these joint names ("poser", "character-creator", "cmu",

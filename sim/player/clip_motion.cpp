@@ -8,6 +8,7 @@
 
 #include "model/clip/bind_clip.h"
 #include "model/rig/dialects.h"
+#include "model/rig/motion_up.h"
 
 namespace styled::player {
 namespace {
@@ -86,22 +87,28 @@ Status ClipMotion::Load(std::size_t file) {
   return Status::Ok();
 }
 
-// Live, a zero pose is a T-pose. Another one is found as `stylize` finds it.
+// Live, a zero pose is a T-pose, and its up axis the motion's. Others are found as `stylize` finds
+// them.
 void ClipMotion::FindTPose(const std::string& name, clip::Clip& clip) const {
+  const auto warn = [&name](const std::string& what) {
+    std::fprintf(stderr, "%s: warning: %s\n", name.c_str(), what.c_str());
+  };
   const auto live = rig::BindDialect(clip.skeleton, options_.dialect);
-  if (live.ok()) return;
-  const auto bound = clip::BindClip(clip, options_.dialect);
+  const auto bound = clip::BindClip(clip, {.dialect = options_.dialect});
   if (bound.ok()) {
-    clip::Clip straight = clip::WithTPose(clip, bound.value().binding);
+    const auto& [binding, dialect, rest, map, remark] = bound.value();
+    if (!remark.empty()) warn(remark);
+    if (live.ok() && rig::UpOf(binding).dot(rig::UpOf(live.value())) > 0.9F) return;
+    clip::Clip straight = clip::WithTPose(clip, binding);
     if (rig::BindDialect(straight.skeleton, options_.dialect).ok()) {
-      std::fprintf(stderr, "%s: warning: its zero pose is not a T-pose; sent with that of its %s\n",
-                   name.c_str(), bound.value().rest.c_str());
+      if (!live.ok()) warn("its zero pose is not a T-pose; sent with that of its " + rest);
       clip = std::move(straight);
       return;
     }
   }
-  std::fprintf(stderr, "%s: warning: a daemon without joints for this source refuses it: %s\n",
-               name.c_str(), live.status().message().c_str());
+  if (!live.ok()) {
+    warn("a daemon without joints for this source refuses it: " + live.status().message());
+  }
 }
 
 Motion::Step ClipMotion::Next(rig::RigPose& pose) {

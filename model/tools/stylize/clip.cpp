@@ -49,7 +49,7 @@ Result<std::vector<body::Pose>> ReadExample(const std::string& file, const char*
     std::fprintf(stderr, "stylize: %s %s: warning: %s\n", option, file.c_str(),
                  clip.value().remark.c_str());
   }
-  const auto bound = clip::BindClip(clip.value(), rig);
+  const auto bound = clip::BindClip(clip.value(), {.dialect = rig});
   if (!bound.ok()) return error(file + ": " + bound.status().message());
   const Status length = CheckLength(clip.value(), file, model, space);
   if (!length.ok()) return error(length.message());

@@ -254,12 +254,16 @@ class Run {
       std::fprintf(stderr, "stylize: %s: warning: %s\n",
                    standard ? "standard input" : input.file.c_str(), clip.value().remark.c_str());
     }
-    auto bound =
-        styled::clip::BindClip(clip.value(), arguments_.rig,
-                               styled::clip::ParseRestPose(arguments_.rest).value(), joints_);
+    auto bound = styled::clip::BindClip(
+        clip.value(),
+        {arguments_.rig, styled::clip::ParseRestPose(arguments_.rest).value(), joints_, {}});
     if (!bound.ok()) {
       return Status::Error((standard ? "standard input" : input.file) + ": " +
                            bound.status().message() + " (by hand: --joints CANONICAL=NAME)");
+    }
+    if (!bound.value().remark.empty()) {
+      std::fprintf(stderr, "stylize: %s: warning: %s\n",
+                   standard ? "standard input" : input.file.c_str(), bound.value().remark.c_str());
     }
     return Source{std::move(clip.value()),
                   std::make_shared<const styled::rig::Binding>(std::move(bound.value().binding)),

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <tuple>
 
+#include "model/rig/motion_up.h"
 #include "model/synthetic/performer.h"
 #include "model/synthetic/script.h"
 #include "tests/unit/rig/rigs.h"
@@ -65,7 +67,7 @@ std::map<int, Quat> Tangled() {
 
 std::string Refusal(const Clip& clip, const std::string& dialect, const std::string& rest,
                     const rig::JointNames& given = {}) {
-  const auto bound = BindClip(clip, dialect, ParseRestPose(rest).value(), given);
+  const auto bound = BindClip(clip, {dialect, ParseRestPose(rest).value(), given, {}});
   return bound.ok() ? "accepted" : bound.status().message();
 }
 
@@ -115,7 +117,7 @@ TEST(BindClip, LeavesToTheDialectWhatItKnows) {
 
 // How far bound limbs are from where the performer had them, degrees, the worst of all frames.
 float WorstLimb_deg(const Clip& clip, const Clip& truth, const RestPose& rest) {
-  const auto bound = BindClip(clip, "auto", rest);
+  const auto bound = BindClip(clip, {.rest = rest});
   EXPECT_TRUE(bound.ok()) << bound.status().message();
   if (!bound.ok()) return 180;
   const auto poses = ToCanonical(clip, bound.value().binding);
@@ -174,10 +176,65 @@ TEST(BindClip, FindsTheTPoseOfAWalkWhoseZeroPoseTellsNothing) {
 
 TEST(BindClip, TakesTheFrameThatIsNamed) {
   const Clip clip = Performed("stand:60", Tangled());
-  const auto bound = BindClip(clip, "auto", ParseRestPose("1").value());
+  const auto bound = BindClip(clip, {.rest = ParseRestPose("1").value()});
   ASSERT_TRUE(bound.ok()) << bound.status().message();
   EXPECT_EQ(bound.value().rest, "frame at 1 s");
   EXPECT_LT(WorstLimb_deg(clip, Performed("stand:60", {}), ParseRestPose("1").value()), 10);
+}
+
+// A thousandth of a metre between the collars' begins says nothing about the trunk.
+TEST(BindClip, CollarsThatBeginAtOnePlaceDoNotTurnTheTrunk) {
+  Clip clip = Performed("walk:60", ArmsDown());
+  const auto expected = ToCanonical(clip, BindClip(clip).value().binding);
+  for (const auto& [shoulder, arm, shift] :
+       {std::tuple{body::kLeftShoulder, body::kLeftUpperArm, Vec3(0, 0.001F, 0)},
+        std::tuple{body::kRightShoulder, body::kRightUpperArm, Vec3(0, -0.001F, 0)}}) {
+    const Vec3 whole = clip.skeleton.offsets[shoulder] + clip.skeleton.offsets[arm];
+    clip.skeleton.offsets[shoulder] = Vec3(0, 0.15F, 0) + shift;
+    clip.skeleton.offsets[arm] = whole - clip.skeleton.offsets[shoulder];
+    for (rig::RigPose& frame : clip.frames) {
+      frame.translations[shoulder] = clip.skeleton.offsets[shoulder];
+      frame.translations[arm] = clip.skeleton.offsets[arm];
+    }
+  }
+  const auto bound = BindClip(clip);
+  ASSERT_TRUE(bound.ok()) << bound.status().message();
+  EXPECT_EQ(bound.value().remark, "");
+  const auto poses = ToCanonical(clip, bound.value().binding);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSERT_LT(
+        body::Angle_rad(poses[i].rotations[body::kChest], expected[i].rotations[body::kChest]),
+        5 / 57.3F);
+  }
+}
+
+TEST(BindClip, AMotionWithAnotherUpAxisThanItsZeroPoseStandsUpright) {
+  const Clip upright = Performed("walk:60", {});
+  Clip clip = upright;
+  const Quat turn = About(Vec3::UnitX(), 90);  // from +Y up to +Z up
+  for (rig::RigPose& frame : clip.frames) {
+    frame.translations[0] = turn * frame.translations[0];
+    frame.rotations[0] = turn * frame.rotations[0];
+  }
+  const auto bound = BindClip(clip);
+  ASSERT_TRUE(bound.ok()) << bound.status().message();
+  EXPECT_EQ(bound.value().remark,
+            "the zero pose stands along +Y, the frames along +Z, which is taken for up");
+  const auto expected = ToCanonical(upright, BindClip(upright).value().binding);
+  const auto poses = ToCanonical(clip, bound.value().binding);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSERT_LT(body::Angle_rad(poses[i].rotations[0], expected[i].rotations[0]), 1e-3F);
+  }
+  const auto named = BindClip(clip, {.up = ParseUp("z").value()});
+  EXPECT_EQ(named.value().remark, "");
+  EXPECT_LT((rig::UpOf(named.value().binding) - Vec3::UnitZ()).norm(), 1e-5F);
+  const auto lying = BindClip(clip, {.up = ParseUp("y").value()});
+  EXPECT_LT((rig::UpOf(lying.value().binding) - Vec3::UnitY()).norm(), 1e-5F);
+  for (const char* const wrong : {"", "-", "w", "zz", "up", "+z", "Z"}) {
+    EXPECT_THAT(ParseUp(wrong).status().message(), HasSubstr("expected auto, x, y, z")) << wrong;
+  }
+  EXPECT_FALSE(ParseUp("auto").value());
+  EXPECT_LT((*ParseUp("-x").value() + Vec3::UnitX()).norm(), 1e-6F);
 }
 
 }  // namespace
