@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <string>
+
+#include "model/rig/check_binding.h"
 
 namespace styled::rig {
 namespace {
@@ -152,6 +156,11 @@ Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, 
   result.spec.skeleton = std::move(seen);
   result.spec.source_joint = map;
   result.spec.canonical_from_source = *axes;
+  const auto binding = Binding::Make(result.spec);
+  if (!binding.ok()) return binding.status();
+  if (const std::string wrong = WrongBone(binding.value(), std::span(&stood, 1)); !wrong.empty()) {
+    return Status::Error("calibrate: " + wrong);
+  }
   return result;
 }
 

@@ -30,8 +30,9 @@ struct Calibrated {
 // requested. The up axis is the source axis nearest to the spine; left is from limb to limb;
 // forward is where the performer looks, and becomes the canonical +Z. A skeleton whose toes point
 // backward is left-handed and is mirrored. The rest rotations are RestBySwing's for this pose.
-// Joints are mapped by name (MapJoints). Refuses a skeleton whose names do not map, and a bone more
-// than 30 degrees off; the error names the worst joint and what was expected. Allocates; any
+// Joints are found by MapJoints. Refuses a skeleton whose joints are not found, a bone more than 30
+// degrees off, what Binding::Make refuses, and a bone that then points elsewhere than on the
+// humanoid (WrongBone); the error names the worst joint and what was expected. Allocates; any
 // thread. Pinned by tests/unit/rig/calibration_test.cpp.
 Result<Calibrated> Calibrate(const Skeleton& skeleton, const RigPose& standing, StandingPose pose,
                              const JointNames& given = {});

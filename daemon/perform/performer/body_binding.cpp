@@ -1,16 +1,22 @@
 #include "daemon/perform/performer/body_binding.h"
 
+#include <array>
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "model/base/text.h"
+#include "model/rig/calibration.h"
+#include "model/rig/find_humanoid.h"
 
 namespace styled::pipeline {
 namespace {
 
 using rig::Quat;
 using rig::Vec3;
+using JointMap = std::array<int, body::kJointCount>;
 
 Status Count(const std::string& field, int found, int expected) {
   if (found == expected) return Status::Ok();
@@ -98,23 +104,50 @@ Status FindAxes(rig::BindingSpec& spec) {
   return Status::Ok();
 }
 
-Result<rig::Binding> BindByRests(const v1::Body& body, rig::Skeleton skeleton,
-                                 const rig::JointNames& given) {
-  rig::BindingSpec spec;
-  const auto map = rig::MapJoints(skeleton, given);
-  if (!map.ok()) return map.status();
-  spec.source_joint = map.value();
-  spec.skeleton = std::move(skeleton);
-  for (int j = 0; j < body.names_size(); ++j) {
-    spec.rest_rotations.emplace_back(body.rest(4 * j + 3), body.rest(4 * j), body.rest(4 * j + 1),
-                                     body.rest(4 * j + 2));
-    if (!(std::abs(spec.rest_rotations.back().norm() - 1.0F) < 1e-3F)) {
+// The T-pose that the rig sent: world rotations.
+Result<std::vector<Quat>> ReadRests(const v1::Body& body) {
+  std::vector<Quat> rests;
+  for (int j = 0; j < body.names_size() && body.rest_size() > 0; ++j) {
+    rests.emplace_back(body.rest(4 * j + 3), body.rest(4 * j), body.rest(4 * j + 1),
+                       body.rest(4 * j + 2));
+    if (!(std::abs(rests.back().norm() - 1.0F) < 1e-3F)) {
       return Status::Error("body: joint " + std::to_string(j) + ": rest is not of unit length");
     }
   }
+  return rests;
+}
+
+// That T-pose as a pose; without one the zero pose.
+rig::RigPose RestPose(const rig::Skeleton& skeleton, const std::vector<Quat>& rests) {
+  rig::RigPose pose(skeleton);
+  for (std::size_t j = 0; j < rests.size(); ++j) {
+    const int parent = skeleton.parents[j];
+    pose.rotations[j] =
+        parent < 0 ? rests[j] : rests[static_cast<std::size_t>(parent)].conjugate() * rests[j];
+  }
+  return pose;
+}
+
+Result<rig::Binding> BindByRests(rig::Skeleton skeleton, std::vector<Quat> rests,
+                                 const JointMap& map) {
+  rig::BindingSpec spec;
+  spec.source_joint = map;
+  spec.skeleton = std::move(skeleton);
+  spec.rest_rotations = std::move(rests);
   const Status status = FindAxes(spec);
   if (!status.ok()) return status;
   return rig::Binding::Make(std::move(spec));
+}
+
+// By a dialect; a zero pose that stands upright with its arms down is a rest pose, too.
+Result<rig::Binding> BindByZeroPose(const rig::Skeleton& skeleton, const std::string& dialect,
+                                    const JointMap& map, std::string& used) {
+  auto bound = rig::BindMapped(skeleton, dialect, &used, map);
+  if (bound.ok() || dialect != "auto" || !rig::CanCalibrate(map).ok()) return bound;
+  auto standing = rig::BindStanding(skeleton, map, rig::RigPose(skeleton), false);
+  if (!standing.ok()) return bound;
+  used = "standing";
+  return standing;
 }
 
 bool ToesPointBackwards(const rig::BindingSpec& spec) {
@@ -147,21 +180,28 @@ Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& 
   if (!skeleton.ok()) return skeleton.status();
   const std::string dialect = body.dialect().empty() ? "auto" : body.dialect();
   BoundBody bound{nullptr, "given"};
+  auto rests = ReadRests(body);
+  if (!rests.ok()) return rests.status();
+  const rig::RigPose rest = RestPose(skeleton.value(), rests.value());
+  const auto found = rig::FindHumanoid(skeleton.value(), given, std::span(&rest, 1));
+  if (!found.ok()) return found.status();
+  const JointMap& map = found.value().joint;
+  bound.remark = found.value().remark;
   const auto bind = [&]() -> Result<rig::Binding> {
     if (calibrated && calibrated->skeleton == SkeletonHash(skeleton.value())) {
       bound.dialect = "calibrated";
       bound.left_handed = calibrated->left_handed;
-      const auto map = rig::MapJoints(skeleton.value(), given);
-      if (!map.ok()) return map.status();
-      rig::BindingSpec spec{std::move(skeleton.value()), map.value(), calibrated->rotations,
+      rig::BindingSpec spec{std::move(skeleton.value()), map, calibrated->rotations,
                             calibrated->canonical_from_source};
       for (Vec3& offset : spec.skeleton.offsets) {
         if (bound.left_handed) offset = rig::Mirrored(offset);
       }
       return rig::Binding::Make(std::move(spec));
     }
-    if (body.rest_size() > 0) return BindByRests(body, std::move(skeleton.value()), given);
-    return rig::BindDialect(skeleton.value(), dialect, &bound.dialect, given);
+    if (!rests.value().empty()) {
+      return BindByRests(std::move(skeleton.value()), std::move(rests.value()), map);
+    }
+    return BindByZeroPose(skeleton.value(), dialect, map, bound.dialect);
   };
   auto binding = bind();
   if (!binding.ok()) return binding.status();

@@ -16,12 +16,15 @@ namespace styled::pipeline {
 // is one, otherwise from the body's own T-pose rests, otherwise from a dialect.
 struct BoundBody {
   std::shared_ptr<const rig::Binding> binding;
-  std::string dialect;  // "calibrated"; "given" if the rig sent its rests
+  // "calibrated"; "given" if the rig sent its rests; "standing" if its zero pose is upright with
+  // its arms down.
+  std::string dialect;
   // The binding is that of the mirrored skeleton; poses must be mirrored, too.
   bool left_handed = false;
   // In the rest pose the toes lie behind the ankles: left and right are exchanged, or the axes are
   // mirrored. The body is bound nevertheless; a calibration corrects it.
   bool toes_backwards = false;
+  std::string remark;  // rig::HumanoidMap's
 };
 
 // Errors state what in the body was expected and found. Both functions allocate; pipeline thread,

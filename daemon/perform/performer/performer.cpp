@@ -281,7 +281,7 @@ std::string Performer::Warning() const {
            "exchanged, or the axes are mirrored: correct it in the rig, or by stylectl calibrate " +
            profile.id + " --pose t";
   }
-  return "";
+  return binding_.bound() ? binding_.body().remark : "";
 }
 
 bool Performer::FacingChanged() noexcept {
