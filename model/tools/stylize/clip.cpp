@@ -38,8 +38,8 @@ std::size_t NetworkFrames(const clip::Clip& clip, float rate_hz) {
 
 // The poses of a clip at the network's rate; `option` named it.
 Result<std::vector<body::Pose>> ReadExample(const std::string& file, const char* option,
-                                            const std::string& rig, const net::Model& model,
-                                            const net::StyleSpace& space) {
+                                            const clip::BindOptions& binding,
+                                            const net::Model& model, const net::StyleSpace& space) {
   const auto error = [option](const std::string& what) {
     return Status::Error(std::string(option) + ": " + what);
   };
@@ -49,8 +49,14 @@ Result<std::vector<body::Pose>> ReadExample(const std::string& file, const char*
     std::fprintf(stderr, "stylize: %s %s: warning: %s\n", option, file.c_str(),
                  clip.value().remark.c_str());
   }
-  const auto bound = clip::BindClip(clip.value(), {.dialect = rig});
-  if (!bound.ok()) return error(file + ": " + bound.status().message());
+  const auto bound = clip::BindClip(clip.value(), binding);
+  if (!bound.ok()) {
+    return error(file + ": " + bound.status().message() + " (by hand: --like-joints)");
+  }
+  if (!bound.value().remark.empty()) {
+    std::fprintf(stderr, "stylize: %s %s: warning: %s\n", option, file.c_str(),
+                 bound.value().remark.c_str());
+  }
   const Status length = CheckLength(clip.value(), file, model, space);
   if (!length.ok()) return error(length.message());
   return clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value().binding),
@@ -193,17 +199,19 @@ Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& mode
                               const net::StyleSpace* space) {
   Examples examples;
   if (space == nullptr) return examples;
+  auto joints = ParseJoints("--like-joints", arguments.like_joints);
+  if (!joints.ok()) return joints.status();
+  const clip::BindOptions binding{arguments.rig, {}, std::move(joints.value()), {}};
   for (const std::string& text : arguments.like) {
     auto example = ParseExample(text);
     if (!example.ok()) return example.status();
-    auto poses = ReadExample(example.value().file, "--like", arguments.rig, model, *space);
+    auto poses = ReadExample(example.value().file, "--like", binding, model, *space);
     if (!poses.ok()) return poses.status();
     example.value().poses = std::move(poses.value());
     examples.styled.push_back(std::move(example.value()));
   }
   if (!arguments.like_neutral.empty()) {
-    auto neutral =
-        ReadExample(arguments.like_neutral, "--like-neutral", arguments.rig, model, *space);
+    auto neutral = ReadExample(arguments.like_neutral, "--like-neutral", binding, model, *space);
     if (!neutral.ok()) return neutral.status();
     examples.neutral = std::move(neutral.value());
   }

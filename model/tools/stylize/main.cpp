@@ -255,11 +255,12 @@ class Run {
                    standard ? "standard input" : input.file.c_str(), clip.value().remark.c_str());
     }
     auto bound = styled::clip::BindClip(
-        clip.value(),
-        {arguments_.rig, styled::clip::ParseRestPose(arguments_.rest).value(), joints_, {}});
+        clip.value(), {arguments_.rig, styled::clip::ParseRestPose(arguments_.rest).value(),
+                       joints_, styled::clip::ParseUp(arguments_.up).value()});
     if (!bound.ok()) {
       return Status::Error((standard ? "standard input" : input.file) + ": " +
-                           bound.status().message() + " (by hand: --joints CANONICAL=NAME)");
+                           bound.status().message() +
+                           " (by hand: --joints CANONICAL=NAME; --explain prints them)");
     }
     if (!bound.value().remark.empty()) {
       std::fprintf(stderr, "stylize: %s: warning: %s\n",
@@ -442,5 +443,9 @@ int main(int argc, char** argv) {
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
   const Status together = stylize::CheckTogether(app, arguments);
   if (!together.ok()) return Fail(together, styled::kBadArguments);
+  if (!arguments.explain.empty()) {
+    const Status explained = stylize::Explain(arguments);
+    return explained.ok() ? 0 : Fail(explained);
+  }
   return arguments.list ? List(arguments) : Run(arguments).All();
 }

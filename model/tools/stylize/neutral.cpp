@@ -34,8 +34,9 @@ Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
     std::fprintf(stderr, "stylize: --neutral %s: warning: %s\n", file.c_str(),
                  clip.value().remark.c_str());
   }
-  const auto bound = clip::BindClip(
-      clip.value(), {arguments.rig, clip::ParseRestPose(arguments.rest).value(), joints, {}});
+  const auto bound =
+      clip::BindClip(clip.value(), {arguments.rig, clip::ParseRestPose(arguments.rest).value(),
+                                    joints, clip::ParseUp(arguments.up).value()});
   if (!bound.ok()) return Status::Error("--neutral: " + file + ": " + bound.status().message());
   Learned learned = LearnNeutral(clip.value(), bound.value().binding, *model.reference);
   if (learned->body_s > 0) return learned;

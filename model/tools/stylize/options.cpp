@@ -112,6 +112,18 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
                  "leftUpperArm=Arm_01")
       ->take_all()
       ->allow_extra_args(false);
+  app.add_option("--like-joints", arguments.like_joints,
+                 "the same for the clips of --like and --like-neutral")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--up", arguments.up,
+                 "the inputs' up axis, x, y, z, -x, -y or -z; auto: the zero pose's, or the one "
+                 "along which the frames stand")
+      ->check([](const std::string& text) { return clip::ParseUp(text).status().message(); })
+      ->capture_default_str();
+  app.add_option("--explain", arguments.explain,
+                 "print how the skeleton of this clip or avatar is understood: its tree, each "
+                 "joint's part, axes, unit and rest pose, and --joints to copy");
   CLI::Option* const avatar = app.add_option(
       "--avatar", arguments.avatar, "put the motion onto this skeleton: .vrm, .glb, .gltf or .bvh");
   app.add_option("--avatar-joints", arguments.avatar_joints,
@@ -233,7 +245,10 @@ Status CheckFiles(const Arguments& arguments) {
 }  // namespace
 
 Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
-  if (arguments.list) return Status::Ok();
+  if (!arguments.explain.empty() && !arguments.files.empty()) {
+    return Status::Error("--explain: found other files, too, expected one clip or avatar alone");
+  }
+  if (arguments.list || !arguments.explain.empty()) return Status::Ok();
   if (Status files = CheckFiles(arguments); !files.ok()) return files;
   if (std::count(arguments.styles.begin(), arguments.styles.end(), "") > 0) {
     return Status::Error("--style: found nothing, expected a style; --list names them");

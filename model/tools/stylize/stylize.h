@@ -45,7 +45,9 @@ struct Arguments {
   std::string format;              // of standard output: an extension without its dot
   std::string preview;             // pattern
   bool recursive = false, overwrite = false, json = false, quiet = false;
-  std::vector<std::string> joints, avatar_joints;  // CANONICAL=NAME
+  std::vector<std::string> joints, avatar_joints, like_joints;  // CANONICAL=NAME
+  std::string up = "auto";                                      // clip::ParseUp
+  std::string explain;                                          // a clip or an avatar
 };
 
 struct Window {
@@ -60,6 +62,10 @@ inline constexpr Window kWindows[] = {{"auto", net::Extent::kByLength},
 void AddOptions(CLI::App& app, Arguments& arguments);
 // Checks that the parser does not make: arguments that are missing or have no effect alone.
 Status CheckTogether(const CLI::App& app, const Arguments& arguments);
+
+// explain.cpp: prints how the skeleton of arguments.explain is understood. Errors: those of reading
+// and binding it; its tree is printed nevertheless.
+Status Explain(const Arguments& arguments);
 
 // The joints that `texts` name, each CANONICAL=NAME; errors begin with the option.
 Result<rig::JointNames> ParseJoints(const std::string& option,
