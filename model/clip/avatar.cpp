@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/clip/gltf_read.h"
 #include "model/clip/read_file.h"
@@ -59,16 +60,10 @@ Result<rig::Binding> BindBvhFile(const std::string& file, const std::string& dia
   if (!read.ok()) return read.status();
   const Clip& clip = read.value();
   avatar.tail = rig::MapTailNames(clip.skeleton);
-  auto binding = rig::BindDialect(clip.skeleton, dialect, &avatar.dialect, given);
-  if (binding.ok()) return binding;
-  // No dialect fits: bind the first frame as a standing pose instead.
-  const auto map = rig::MapJoints(clip.skeleton, given);
-  if (dialect == "auto" && map.ok()) {
-    auto standing = rig::BindStanding(clip.skeleton, map.value(), clip.frames.front(), false);
-    avatar.dialect = "standing";
-    if (standing.ok()) return standing;
-  }
-  return Status::Error(file + ": " + binding.status().message());
+  auto bound = BindClip(clip, {dialect, {}, given, {}});
+  if (!bound.ok()) return Status::Error(file + ": " + bound.status().message());
+  avatar.dialect = bound.value().dialect;
+  return std::move(bound.value().binding);
 }
 
 }  // namespace

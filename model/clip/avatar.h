@@ -35,10 +35,9 @@ struct AvatarSkeleton {
   }
 };
 
-// Reads an avatar: .bvh by extension, anything else as glTF (.vrm, .glb, .gltf). A BVH is bound by
-// `dialect`. If that is "auto" and no known dialect fits its zero pose, it is bound by its first
-// frame, which must be standing. `given`: joints named by hand. Errors name the file and what was
-// expected. Any thread; allocates.
+// Reads an avatar: .bvh by extension, anything else as glTF (.vrm, .glb, .gltf). A BVH is bound as
+// a clip is (BindClip), under `dialect`. `given`: joints named by hand. Errors name the file and
+// what was expected. Any thread; allocates.
 Result<AvatarSkeleton> ReadAvatar(const std::string& file, const std::string& dialect,
                                   const rig::JointNames& given);
 
