@@ -22,7 +22,7 @@ using body::kJointCount;
 // hold on the conventions and random skeletons of the test.
 constexpr std::size_t kMaxTree = 1024;  // joints; avatars have hair and skirts
 constexpr std::size_t kMaxShown = 64;   // bytes of a joint's name in a message
-constexpr float kDoubt = 1.0F;          // a lead below this is asked about
+constexpr float kDoubt = 1.0F;          // a lead below this is a question to the user
 constexpr float kSecondBody = 12.0F;    // a lead below this over other limbs is mentioned
 constexpr float kBackwards = 0.5F;      // of a cosine: the toes contradict the names
 // Of 2,000 random bodies the tree alone scores -0.9 at least and 0.6 for 95 of 100, pairs of hands

@@ -143,7 +143,7 @@ constexpr std::string_view kOthers[] = {
     "dummy",   "marker", "hipjoint", "offset"};
 constexpr std::string_view kEnds[] = {"end", "nub", "tip", "leaf", "site"};
 constexpr std::string_view kTwists[] = {"twist", "roll"};
-// What tools write around the word.
+// Words that tools write around the part.
 constexpr std::string_view kNoise[] = {
     "def",   "org", "mch",        "jnt",     "bone",      "bn",       "skel", "bip", "base",
     "cc",    "rig", "cf",         "j",       "mixamorig", "armature", "x",    "m",   "c",

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-// What a joint's name says about its place in the body, of whatever tool and in several languages.
+// Reads the names that tools of all kinds, in several languages, give to the joints of a body.
 namespace styled::rig {
 
 // A place in the body without its side.

@@ -129,7 +129,7 @@ class Reader {
     return score + (name.hints != 0 ? kHintOfAnother : 0);
   }
 
-  // What joints given by hand say: for one of the part's joints, or against it, because it is
+  // For joints given by hand: in favour of one of the part's joints, or against it, because it is
   // another's.
   float Hand(Part part, int joint) const {
     if (part == Part::kCount) return 0;
