@@ -59,10 +59,10 @@ Result<rig::Binding> BindBvhFile(const std::string& file, const std::string& dia
   auto read = ParseBvh(text.value(), file);
   if (!read.ok()) return read.status();
   const Clip& clip = read.value();
-  avatar.tail = rig::MapTailNames(clip.skeleton);
   auto bound = BindClip(clip, {dialect, {}, given, {}});
   if (!bound.ok()) return Status::Error(file + ": " + bound.status().message());
   avatar.dialect = bound.value().dialect;
+  avatar.tail = rig::FindTail(clip.skeleton, bound.value().map.joint);
   return std::move(bound.value().binding);
 }
 

@@ -214,7 +214,7 @@ Result<Humanoid> ReadNames(const Model& model, const Nodes& nodes, const rig::Jo
   const auto map = rig::FindHumanoid(tree.skeleton, given, std::span(&tree.stance, 1));
   if (!map.ok()) return map.status();
   humanoid.joint = map.value().joint;
-  humanoid.tail = rig::MapTailNames(tree.skeleton);
+  humanoid.tail = rig::FindTail(tree.skeleton, map.value().joint);
   const auto to_node = [&tree](int& joint) {
     if (joint >= 0) joint = tree.nodes[static_cast<std::size_t>(joint)];
   };

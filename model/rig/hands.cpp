@@ -83,7 +83,7 @@ Vec3 FingerOffset_m(int joint) {
 Binding WithFingers(const Binding& binding, const TailSet& wanted) {
   BindingSpec spec = binding.spec();
   Skeleton& skeleton = spec.skeleton;
-  const TailMap own = Tail::Make(binding, MapTailNames(skeleton)).map();
+  const TailMap own = Tail::Make(binding, FindTail(skeleton, binding.spec().source_joint)).map();
   TailMap place = own;
   for (int t = 0; t < kTailLeftEye; ++t) {
     const auto at = static_cast<std::size_t>(t);
@@ -121,7 +121,7 @@ Result<BindingSpec> BindHands(const Skeleton& skeleton, const std::vector<Quat>&
   }
   spec.rest_rotations = rest;
   if (rest.empty()) spec.rest_rotations.assign(skeleton.names.size(), Quat::Identity());
-  const Tail tail = Tail::Make(spec, 1, MapTailNames(skeleton));
+  const Tail tail = Tail::Make(spec, 1, FindTail(skeleton, spec.source_joint));
   if (std::ranges::none_of(tail.joints(),
                            [](const Tail::Joint& joint) { return joint.joint < kTailLeftEye; })) {
     return Status::Error(

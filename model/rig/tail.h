@@ -52,6 +52,12 @@ constexpr TailMap NoTail() {
 // tests/unit/rig/tail_names_test.cpp.
 TailMap MapTailNames(const Skeleton& skeleton);
 
+// The same for a skeleton whose humanoid is known: `joints` per canonical joint, -1 if missing.
+// Fingers that no convention names are found below the hands: chains of two joints and more, by any
+// word for a finger in their names, or, where five chains have none, by their order across the palm
+// in the zero pose. Allocates; any thread. Pinned by tests/unit/rig/find_tail_test.cpp.
+TailMap FindTail(const Skeleton& skeleton, const std::array<int, body::kJointCount>& joints);
+
 // The joints that both have.
 TailMap Both(const TailMap& map, const TailMap& other);
 

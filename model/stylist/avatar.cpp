@@ -27,7 +27,8 @@ Avatar::Avatar(std::shared_ptr<const rig::Binding> performer,
       performed_(performer_->skeleton()),
       last_(rest),
       pose_(rest) {
-  const auto theirs = TailOf(*performer_, rig::MapTailNames(performer_->skeleton()));
+  const auto theirs =
+      TailOf(*performer_, rig::FindTail(performer_->skeleton(), performer_->spec().source_joint));
   const auto own = TailOf(*avatar_, tail);
   performer_tail_ = rig::Tail::Make(*performer_, rig::Both(theirs, own));
   avatar_tail_ = rig::Tail::Make(*avatar_, rig::Both(own, theirs));

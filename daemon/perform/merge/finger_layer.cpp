@@ -82,7 +82,7 @@ Status FingerLayer::Bind(const v1::Body& body) {
   auto made = BindAsHands(body, names_);
   if (!made.ok()) return made.status();
   const HandBinding& hands = made.value();
-  rig::TailMap map = rig::MapTailNames(hands.spec.skeleton);
+  rig::TailMap map = rig::FindTail(hands.spec.skeleton, hands.spec.source_joint);
   for (std::size_t t = 0; t < map.size(); ++t) {
     if (!wanted_[t]) map[t] = -1;
   }

@@ -13,7 +13,7 @@ rig::TailSet JointsOf(std::span<FingerLayer* const> layers) {
 Fingers::Fingers(std::vector<FingerLayer*> layers, const rig::Binding& binding)
     : layers_(std::move(layers)) {
   const rig::TailSet wanted = JointsOf(layers_);
-  rig::TailMap map = rig::MapTailNames(binding.skeleton());
+  rig::TailMap map = rig::FindTail(binding.skeleton(), binding.spec().source_joint);
   for (std::size_t t = 0; t < map.size(); ++t) {
     if (!wanted[t]) map[t] = -1;
   }

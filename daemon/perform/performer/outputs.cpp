@@ -24,7 +24,8 @@ Outputs::~Outputs() {
 void Outputs::Bind(const BoundBody& body, const v1::Body& given, const RuntimeConfig& config) {
   const v1::Body rig =
       publish::RigBody(id_, *body.binding, body.left_handed, given.metres_per_unit(), body.dialect);
-  tail_ = rig::Tail::Make(*body.binding, rig::MapTailNames(body.binding->skeleton()));
+  tail_ = rig::Tail::Make(
+      *body.binding, rig::FindTail(body.binding->skeleton(), body.binding->spec().source_joint));
   canonical_.assign(body::kJointCount + tail_.size(), rig::Quat::Identity());
   const v1::Body canonical = publish::CanonicalBody(id_, tail_);
   rig_bytes_ = rig.SerializeAsString();
