@@ -1,5 +1,7 @@
 #include "model/rig/motion_up.h"
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace styled::rig {
@@ -18,22 +20,24 @@ Vec3 UpOf(const Binding& binding) {
 
 std::optional<Vec3> UpOfMotion(const Binding& binding, std::span<const RigPose> poses) {
   const BindingSpec& spec = binding.spec();
-  const auto joint = [&](int left, int or_else) {
-    const int mapped = spec.source_joint[static_cast<std::size_t>(left)];
-    return static_cast<std::size_t>(
-        mapped >= 0 ? mapped : spec.source_joint[static_cast<std::size_t>(or_else)]);
-  };
-  const std::size_t hips = joint(body::kHips, body::kHips), head = joint(body::kHead, body::kHead);
-  const std::size_t left = joint(body::kLeftFoot, body::kLeftToes);
-  const std::size_t right = joint(body::kRightFoot, body::kRightToes);
+  const auto joint = [&spec](int c) { return spec.source_joint[static_cast<std::size_t>(c)]; };
+  const auto hips = static_cast<std::size_t>(joint(body::kHips));
+  const auto head = static_cast<std::size_t>(joint(body::kHead));
+  std::vector<std::size_t> feet;  // a binding has at least one
+  for (const auto& [foot, toes] : {std::pair{body::kLeftFoot, body::kLeftToes},
+                                   std::pair{body::kRightFoot, body::kRightToes}}) {
+    const int mapped = joint(foot) >= 0 ? joint(foot) : joint(toes);
+    if (mapped >= 0) feet.push_back(static_cast<std::size_t>(mapped));
+  }
   std::vector<Vec3> positions;
   std::vector<Quat> rotations;
   std::vector<std::pair<Vec3, Vec3>> bodies;  // directions of trunk and legs, both upwards
   for (const RigPose& pose : poses) {
     WorldTransforms(spec.skeleton, pose, positions, rotations);
-    bodies.emplace_back(
-        (positions[head] - positions[hips]).stableNormalized(),
-        (positions[hips] - 0.5F * (positions[left] + positions[right])).stableNormalized());
+    Vec3 below = Vec3::Zero();
+    for (const std::size_t foot : feet) below += positions[foot] / static_cast<float>(feet.size());
+    bodies.emplace_back((positions[head] - positions[hips]).stableNormalized(),
+                        (positions[hips] - below).stableNormalized());
   }
   const auto share = [&](const Vec3& axis) {
     int along = 0;
