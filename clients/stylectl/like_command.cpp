@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "clients/stylectl/cli.h"
 #include "clients/stylectl/commands.h"
@@ -24,6 +26,7 @@ struct Arguments {
   std::optional<double> transition_ms;
   // like
   std::string clip, rig = "auto", neutral_clip, network;
+  std::vector<std::string> joints;
   bool unworn = false, add = false;
   // learn
   double seconds = 8;
@@ -78,12 +81,27 @@ int ReadExample(Session& session, const std::string& file, const char* option, v
   return kExitOk;
 }
 
+Status ReadJoints(const std::vector<std::string>& texts, v1::Like& request) {
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      return Status::Error("--joints: '" + text + "': expected CANONICAL=NAME");
+    }
+    (*request.mutable_joints())[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return Status::Ok();
+}
+
 int Like(Session& session, const Arguments& arguments) {
   v1::Like request, neutral;
   request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
   request.set_rig(arguments.rig);
   request.set_network(arguments.network);
   request.set_add(arguments.add);
+  if (const Status joints = ReadJoints(arguments.joints, request); !joints.ok()) {
+    return session.Usage("like: " + joints.message());
+  }
+  *neutral.mutable_joints() = request.joints();
   neutral.set_network(arguments.network);
   neutral.set_rig(arguments.rig);
   int code = ReadExample(session, arguments.clip, "--clip ", request);
@@ -155,6 +173,11 @@ void DeclareLike(Session& session) {
       "a clip of the same performer moving as usual; only the difference from it is used");
   like->add_option("--rig", arguments->rig, "the example's rig dialect, e.g. bandai-namco, cmu")
       ->capture_default_str();
+  like->add_option("--joints", arguments->joints,
+                   "joints of the examples that are not recognized, CANONICAL=NAME, e.g. "
+                   "leftUpperArm=Arm_01; stylize --explain prints them")
+      ->take_all()
+      ->allow_extra_args(false);
   like->add_option("--network", arguments->network,
                    "the network that gets the style, e.g. open or graph, or its family "
                    "(default: by what the example shows)");

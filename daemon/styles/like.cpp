@@ -36,9 +36,16 @@ Result<Poses> Bound(Result<clip::Clip>&& clip, const Result<rig::Binding>& bound
   return Poses{std::move(poses.value()), rate_hz, std::move(remark)};
 }
 
+// In the order of their names, so that the same request always does the same.
+rig::JointNames JointsOf(const v1::Like& like) {
+  rig::JointNames joints(like.joints().begin(), like.joints().end());
+  std::sort(joints.begin(), joints.end());
+  return joints;
+}
+
 Result<Poses> ReadGltf(const v1::Like& like, const std::string& name, const std::string& rig,
                        const clip::ReadLimits& limits) {
-  auto clip = clip::ParseGltfClip(like.clip(), name, limits);
+  auto clip = clip::ParseGltfClip(like.clip(), name, limits, JointsOf(like));
   if (!clip.ok()) return clip.status();
   const auto bound = clip::BindGltf(clip.value(), rig);
   return Bound(std::move(clip.value().clip), bound, name, limits.work);
@@ -48,7 +55,7 @@ Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::
                       const clip::ReadLimits& limits) {
   auto clip = clip::ParseBvh(like.clip(), name, limits);
   if (!clip.ok()) return clip.status();
-  const auto bound = clip::BindClip(clip.value(), {.dialect = rig});
+  const auto bound = clip::BindClip(clip.value(), {rig, {}, JointsOf(like), {}});
   if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
   std::string& remark = clip.value().remark;
   const std::string& own = bound.value().remark;

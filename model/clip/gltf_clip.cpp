@@ -332,7 +332,8 @@ void CheckTPose(GltfClip& read) {
       "the nodes of its VRM humanoid stand in no T-pose: it is found from how they stand";
 }
 
-Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
+Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work,
+                      const rig::JointNames& joints) {
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return gltf::Broken(chunks.status().message());
   auto file = gltf::ParseMotionJson(chunks.value().text, bytes.size());
@@ -341,7 +342,7 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
   if (!model.ok()) return model.status();
   const auto nodes = gltf::Nodes::Make(model.value());
   if (!nodes.ok()) return nodes.status();
-  auto bones = gltf::FindBones(model.value(), nodes.value(), {});
+  auto bones = gltf::FindBones(model.value(), nodes.value(), joints);
   if (!bones.ok()) return bones.status();
   const MovingNodes moving(nodes.value(), bones.value(), model.value().nodes.size());
   // Before the animations, of each of which a table of these nodes is made.
@@ -369,9 +370,9 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work) {
 bool IsGltfBinary(std::string_view bytes) { return bytes.starts_with("glTF"); }
 
 Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
-                               const ReadLimits& limits) {
+                               const ReadLimits& limits, const rig::JointNames& joints) {
   auto clip = IsGltfBinary(bytes)
-                  ? Read(bytes, limits.work)
+                  ? Read(bytes, limits.work, joints)
                   : Result<GltfClip>(Status::Error("expected glTF binary (.glb, .vrm, .vrma)"));
   return clip.ok() ? std::move(clip) : Status::Error(name + ": " + clip.status().message());
 }

@@ -7,6 +7,7 @@
 #include "model/clip/clip.h"
 #include "model/clip/gltf_read.h"
 #include "model/rig/binding.h"
+#include "model/rig/dialects.h"
 
 namespace styled::clip {
 
@@ -23,7 +24,8 @@ struct GltfClip {
 bool IsGltfBinary(std::string_view bytes);
 
 // Reads the first animation of a glTF 2.0 binary (.glb, .vrm, or .vrma: VRMC_vrm_animation) that
-// turns a bone of its humanoid. Bones: VRM's own table, else by name, as ReadGltfSkeleton. The rate
+// turns a bone of its humanoid. Bones: `joints` given by hand, VRM's own table, else as
+// ReadGltfSkeleton finds them. The rate
 // is that of the densest channel, in whole Hz, 10 to 240, or lower if the frames would take more
 // than 4 times the file's bytes and 4 MiB; LINEAR, STEP and CUBICSPLINE channels are sampled at it.
 // Rotations as floats or normalized integers, also in buffer views packed by
@@ -38,7 +40,7 @@ bool IsGltfBinary(std::string_view bytes);
 // tests/unit/clip/gltf_clip_test.cpp, hostile_clips_test.cpp; tests/witness/gltf has files that
 // three.js has written.
 Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
-                               const ReadLimits& limits = {});
+                               const ReadLimits& limits = {}, const rig::JointNames& joints = {});
 
 // The binding of such a clip: with skeleton.t_pose the nodes' pose is the T-pose. For other files,
 // with "auto" the nodes' pose is the rest pose if it stands upright, else the first frame that
