@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/base/random_id.h"
+#include "model/rig/dialects.h"
 #include "model/synthetic/performer.h"
 #include "model/tools/number.h"
 #include "sim/faults/faults.h"
@@ -48,6 +49,7 @@ struct Arguments {
   bool loop = false;
   std::uint64_t seed = 1;
   std::string script, faults, dialect = "auto";
+  std::vector<std::string> joints;  // CANONICAL=NAME
   float metres_per_unit = 0;
   std::filesystem::path write;
   std::string timecode;
@@ -92,6 +94,11 @@ void AddOptions(CLI::App& app, Arguments& a) {
       "Without it: random order");
   app.add_option("--dialect", a.dialect, "rig dialect of the files, sent in the body")
       ->capture_default_str();
+  app.add_option("--joints", a.joints,
+                 "joints of the files that are not recognized, CANONICAL=NAME, e.g. "
+                 "leftUpperArm=Arm_01; they are sent under the first name")
+      ->take_all()
+      ->allow_extra_args(false);
   app.add_option("--metres-per-unit", a.metres_per_unit,
                  "unit of the files, sent in the body (0: unknown, scaled by hips height)")
       ->check(styled::Number(0.0, 1000.0))
@@ -184,8 +191,10 @@ std::unique_ptr<player::Motion> MakePerformer(const Arguments& a,
 Result<std::unique_ptr<player::Motion>> MakeClips(const Arguments& a,
                                                   const std::vector<std::filesystem::path>& files,
                                                   int k) {
-  auto made = player::ClipMotion::Make(
-      files, {a.rate_hz, a.dialect, a.metres_per_unit, a.loop, static_cast<std::size_t>(k)});
+  auto joints = styled::rig::ParseJoints("--joints", a.joints);
+  if (!joints.ok()) return joints.status();
+  auto made = player::ClipMotion::Make(files, {a.rate_hz, a.dialect, a.metres_per_unit, a.loop,
+                                               static_cast<std::size_t>(k), joints.value()});
   if (!made.ok()) return made.status();
   return std::unique_ptr<player::Motion>(std::move(made.value()));
 }

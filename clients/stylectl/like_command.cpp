@@ -13,6 +13,7 @@
 #include "clients/stylectl/like_report.h"
 #include "model/base/read_file.h"
 #include "model/base/text.h"
+#include "model/rig/dialects.h"
 #include "model/tools/number.h"
 
 namespace styled::stylectl {
@@ -81,27 +82,17 @@ int ReadExample(Session& session, const std::string& file, const char* option, v
   return kExitOk;
 }
 
-Status ReadJoints(const std::vector<std::string>& texts, v1::Like& request) {
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos) {
-      return Status::Error("--joints: '" + text + "': expected CANONICAL=NAME");
-    }
-    (*request.mutable_joints())[text.substr(0, equals)] = text.substr(equals + 1);
-  }
-  return Status::Ok();
-}
-
 int Like(Session& session, const Arguments& arguments) {
   v1::Like request, neutral;
   request.set_name(arguments.name.empty() ? NameOf(arguments.clip) : arguments.name);
   request.set_rig(arguments.rig);
   request.set_network(arguments.network);
   request.set_add(arguments.add);
-  if (const Status joints = ReadJoints(arguments.joints, request); !joints.ok()) {
-    return session.Usage("like: " + joints.message());
+  const auto joints = rig::ParseJoints("--joints", arguments.joints);
+  if (!joints.ok()) return session.Usage("like: " + joints.status().message());
+  for (v1::Like* const like : {&request, &neutral}) {
+    like->mutable_joints()->insert(joints.value().begin(), joints.value().end());
   }
-  *neutral.mutable_joints() = request.joints();
   neutral.set_network(arguments.network);
   neutral.set_rig(arguments.rig);
   int code = ReadExample(session, arguments.clip, "--clip ", request);

@@ -20,6 +20,8 @@ std::array<int, body::kJointCount> MapJointNames(const Skeleton& skeleton);
 // Joints named in the configuration, where conventions do not help: pairs of the canonical name
 // (leftUpperArm) and the source's name; "" if the source has none.
 using JointNames = std::vector<std::pair<std::string, std::string>>;
+// Joints named on a command line, each CANONICAL=NAME; errors begin with the option.
+Result<JointNames> ParseJoints(const std::string& option, const std::vector<std::string>& texts);
 // The map of FindHumanoid (rig/find_humanoid.h): by the tree and names, joints `given` by hand
 // fixed. Errors: a name that is not a canonical joint's, a joint that the skeleton lacks, a source
 // joint given for two canonical ones, a tree that can be read in two ways.

@@ -310,4 +310,16 @@ std::array<int, kJointCount> MapJointNames(const Skeleton& skeleton) {
   return map;
 }
 
+Result<JointNames> ParseJoints(const std::string& option, const std::vector<std::string>& texts) {
+  JointNames joints;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      return Status::Error(option + ": '" + text + "': expected CANONICAL=NAME");
+    }
+    joints.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return joints;
+}
+
 }  // namespace styled::rig

@@ -76,6 +76,9 @@ Status ClipMotion::Load(std::size_t file) {
   if (!read.value().remark.empty()) {
     std::fprintf(stderr, "%s: warning: %s\n", files_[file].c_str(), read.value().remark.c_str());
   }
+  if (Status status = NameJoints(read.value().skeleton); !status.ok()) {
+    return Status::Error(files_[file].string() + ": " + status.message());
+  }
   FindTPose(files_[file].string(), read.value());
   clip_ = clip::Resample(read.value(), options_.rate_hz);
   file_ = file;
@@ -84,6 +87,20 @@ Status ClipMotion::Load(std::size_t file) {
   turn_ = rig::Quat::Identity();
   shift_ = rig::Vec3::Zero();
   body_ = {clip_.skeleton, {}, options_.metres_per_unit, options_.dialect};
+  return Status::Ok();
+}
+
+Status ClipMotion::NameJoints(rig::Skeleton& skeleton) const {
+  if (options_.joints.empty()) return Status::Ok();
+  const auto map = rig::MapJoints(skeleton, options_.joints);
+  if (!map.ok()) return map.status();
+  for (const auto& [canonical, name] : options_.joints) {
+    const auto joint = std::find(skeleton.names.begin(), skeleton.names.end(), name);
+    if (joint == skeleton.names.end()) continue;  // "": the rig has none
+    const auto taken = std::find(skeleton.names.begin(), skeleton.names.end(), canonical);
+    if (taken != skeleton.names.end()) *taken += "_";
+    *joint = canonical;
+  }
   return Status::Ok();
 }
 

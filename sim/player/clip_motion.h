@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/clip/clip.h"
+#include "model/rig/dialects.h"
 #include "sim/player/motion.h"
 
 namespace styled::player {
@@ -21,6 +22,8 @@ struct ClipMotionOptions {
   float metres_per_unit = 0;     // sent in the body; 0 = unknown
   bool loop = false;             // after the last file, continue with the first
   std::size_t first = 0;         // index of the file to start with
+  // Joints by hand, where names and tree leave a doubt: they are sent under the humanoid's names.
+  rig::JointNames joints;
 };
 
 // Plays recorded motion on the file's own skeleton. Several files are played one after the other,
@@ -29,7 +32,8 @@ struct ClipMotionOptions {
 // first one within 0.3 s, so that no frame jumps. Only the root's translation is sent.
 class ClipMotion final : public Motion {
  public:
-  // Reads and resamples the first file. `files` must not be empty. Errors: those of clip::ReadBvh.
+  // Reads and resamples the first file. `files` must not be empty. Errors: those of clip::ReadBvh,
+  // and of joints by hand that rig::MapJoints refuses.
   static Result<std::unique_ptr<ClipMotion>> Make(std::vector<std::filesystem::path> files,
                                                   ClipMotionOptions options);
 
@@ -40,6 +44,7 @@ class ClipMotion final : public Motion {
  private:
   ClipMotion() = default;
   Status Load(std::size_t file);
+  Status NameJoints(rig::Skeleton& skeleton) const;
   void FindTPose(const std::string& name, clip::Clip& clip) const;
   void JoinPasses(const rig::RigPose& last);
 

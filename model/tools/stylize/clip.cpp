@@ -199,7 +199,7 @@ Result<Examples> ReadExamples(const Arguments& arguments, const net::Model& mode
                               const net::StyleSpace* space) {
   Examples examples;
   if (space == nullptr) return examples;
-  auto joints = ParseJoints("--like-joints", arguments.like_joints);
+  auto joints = rig::ParseJoints("--like-joints", arguments.like_joints);
   if (!joints.ok()) return joints.status();
   const clip::BindOptions binding{arguments.rig, {}, std::move(joints.value()), {}};
   for (const std::string& text : arguments.like) {

@@ -159,7 +159,7 @@ Status Explain(const Arguments& arguments) {
   std::string extension = std::filesystem::path(file).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto joints = ParseJoints("--joints", arguments.joints);
+  const auto joints = rig::ParseJoints("--joints", arguments.joints);
   if (!joints.ok()) return joints.status();
   if (extension == ".glb" || extension == ".gltf" || extension == ".vrm") {
     return ExplainAvatar(file, joints.value());

@@ -174,10 +174,10 @@ class Run {
 
   // Checks that need only the command line.
   Status CheckArguments() {
-    auto joints = stylize::ParseJoints("--joints", arguments_.joints);
+    auto joints = styled::rig::ParseJoints("--joints", arguments_.joints);
     if (!joints.ok()) return joints.status();
     joints_ = std::move(joints.value());
-    auto avatar_joints = stylize::ParseJoints("--avatar-joints", arguments_.avatar_joints);
+    auto avatar_joints = styled::rig::ParseJoints("--avatar-joints", arguments_.avatar_joints);
     if (!avatar_joints.ok()) return avatar_joints.status();
     avatar_joints_ = std::move(avatar_joints.value());
     return stylize::CheckExampleWeights(arguments_);

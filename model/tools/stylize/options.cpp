@@ -195,19 +195,6 @@ std::string StyleWord(const Arguments& arguments) {
   return word.empty() ? "input" : word;
 }
 
-Result<rig::JointNames> ParseJoints(const std::string& option,
-                                    const std::vector<std::string>& texts) {
-  rig::JointNames joints;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos) {
-      return Status::Error(option + ": '" + text + "': expected CANONICAL=NAME");
-    }
-    joints.emplace_back(text.substr(0, equals), text.substr(equals + 1));
-  }
-  return joints;
-}
-
 namespace {
 
 // Decides which files are inputs and which outputs, as far as the command line alone allows.

@@ -67,9 +67,6 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments);
 // and binding it; its tree is printed nevertheless.
 Status Explain(const Arguments& arguments);
 
-// The joints that `texts` name, each CANONICAL=NAME; errors begin with the option.
-Result<rig::JointNames> ParseJoints(const std::string& option,
-                                    const std::vector<std::string>& texts);
 // "a, b, c"
 std::string StyleNames(const net::Styles& styles);
 // Parses the A of "S=A", a number from 0 to net::kMaxStrength; `option` and `text`, the whole
