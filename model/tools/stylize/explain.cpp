@@ -20,13 +20,25 @@ namespace {
 
 using rig::Vec3;
 
-constexpr std::size_t kShown = 64;  // bytes of a joint's name
+constexpr std::size_t kShown = 64;      // bytes of a joint's name
+constexpr std::size_t kTreeWidth = 48;  // columns
 
 // The canonical name of a source joint; "" if it has none.
 std::string_view CanonicalOf(const std::array<int, body::kJointCount>& map, std::size_t joint) {
   const auto* const found = std::find(map.begin(), map.end(), static_cast<int>(joint));
   return found == map.end() ? ""
                             : body::kHumanoid[static_cast<std::size_t>(found - map.begin())].name;
+}
+
+// The text with blanks up to a width in columns: signs of Japanese and Chinese take two.
+std::string Padded(std::string text, std::size_t width) {
+  std::size_t columns = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xC0U) != 0x80U) columns += byte >= 0xE2 ? 2 : 1;
+  }
+  text.append(columns < width ? width - columns : 0, ' ');
+  return text;
 }
 
 void PrintTree(const rig::Skeleton& skeleton,
@@ -42,7 +54,7 @@ void PrintTree(const rig::Skeleton& skeleton,
     if (canonical.empty()) {
       std::printf("%s\n", line.c_str());
     } else {
-      std::printf("%-48s %.*s\n", line.c_str(), static_cast<int>(canonical.size()),
+      std::printf("%s %.*s\n", Padded(line, kTreeWidth).c_str(), static_cast<int>(canonical.size()),
                   canonical.data());
     }
   }
