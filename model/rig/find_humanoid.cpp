@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/base/text.h"
-#include "model/rig/binding.h"
+#include "model/rig/body_sides.h"
 #include "model/rig/name_reading.h"
 #include "model/rig/tree_reading.h"
 
@@ -24,7 +24,7 @@ constexpr std::size_t kMaxTree = 1024;  // joints; avatars have hair and skirts
 constexpr std::size_t kMaxShown = 64;   // bytes of a joint's name in a message
 constexpr float kDoubt = 1.0F;          // a lead below this is a question to the user
 constexpr float kSecondBody = 12.0F;    // a lead below this over other limbs is mentioned
-constexpr float kBackwards = 0.5F;      // of a cosine: the toes contradict the names
+constexpr float kOpposite = 0.5F;       // of a cosine: two ways to tell sides disagree
 // Of 2,000 random bodies the tree alone scores -0.9 at least and 0.6 for 95 of 100, pairs of hands
 // -5 to -1.
 constexpr float kImplausible = -3.0F, kPlausible = 0.5F;
@@ -91,80 +91,6 @@ bool AreHelpers(const JointMap& map, const std::vector<NameReading>& names) {
     helpers += names[static_cast<std::size_t>(joint)].other ? 1 : 0;
   }
   return 3 * helpers > mapped;
-}
-
-// Where the joints are in some poses.
-class Places {
- public:
-  Places(const Skeleton& skeleton, std::span<const RigPose> poses) {
-    std::vector<Quat> rotations;
-    const RigPose zero(skeleton);
-    if (poses.empty()) poses = std::span(&zero, 1);
-    for (const RigPose& pose : poses) {
-      WorldTransforms(skeleton, pose, positions_.emplace_back(), rotations);
-    }
-  }
-  // How far the line from `right` to `left` points to the left of the body, as its toes or bent
-  // knees have it: the mean over the poses, -1 to 1; 0 if nothing tells.
-  float Left(const Limb& a, const Limb& b, const TreeReading& found) const {
-    float sum = 0;
-    for (const auto& at : positions_) {
-      const auto place = [&](int joint) -> Vec3 { return at[static_cast<std::size_t>(joint)]; };
-      const Vec3 up = (place(found.head) - place(found.hips)).stableNormalized();
-      Vec3 forward = Vec3::Zero();
-      float length = 0;
-      for (const Limb* leg : {&found.legs.a, &found.legs.b}) {
-        const auto& joints = leg->joints;
-        length += leg->upper;
-        if (joints[kEnd] < 0) continue;
-        if (joints[kTip] >= 0) forward += place(joints[kTip]) - place(joints[kEnd]);
-        forward += place(joints[kLower]) - 0.5F * (place(joints[kUpper]) + place(joints[kEnd]));
-      }
-      forward -= up * forward.dot(up);
-      if (!(forward.norm() > 0.02F * length)) continue;
-      sum += (place(a.joints[kUpper]) - place(b.joints[kUpper]))
-                 .stableNormalized()
-                 .dot(up.cross(forward).stableNormalized());
-    }
-    return sum / static_cast<float>(positions_.size());
-  }
-  // Whether two pairs of limbs have their sides alike: the mean cosine between their lines.
-  float Alike(const LimbPair& p, const LimbPair& q) const {
-    float sum = 0;
-    for (const auto& at : positions_) {
-      const auto across = [&](const LimbPair& pair) {
-        return Vec3(at[static_cast<std::size_t>(pair.a.joints[kUpper])] -
-                    at[static_cast<std::size_t>(pair.b.joints[kUpper])])
-            .stableNormalized();
-      };
-      sum += across(p).dot(across(q));
-    }
-    return sum / static_cast<float>(positions_.size());
-  }
-
- private:
-  std::vector<std::vector<Vec3>> positions_;
-};
-
-// Puts the left limbs of both pairs first. Returns whether something tells them.
-bool PutLeftFirst(TreeReading& found, const Places& places) {
-  constexpr float kClear = 0.3F;  // of a cosine
-  const auto turn = [](LimbPair& pair) { std::swap(pair.a, pair.b); };
-  int arms = found.arms.a.side - found.arms.b.side;
-  int legs = found.legs.a.side - found.legs.b.side;
-  if (arms == 0 && legs == 0) {
-    const float left = places.Left(found.legs.a, found.legs.b, found);
-    if (std::abs(left) > kClear) legs = left > 0 ? 1 : -1;
-  }
-  if (arms == 0 && legs == 0) return false;
-  const float alike = places.Alike(found.arms, found.legs);
-  if (arms == 0 || legs == 0) {
-    if (std::abs(alike) < kClear) return false;
-    (arms == 0 ? arms : legs) = (arms == 0 ? legs : arms) * (alike > 0 ? 1 : -1);
-  }
-  if (arms < 0) turn(found.arms);
-  if (legs < 0) turn(found.legs);
-  return true;
 }
 
 // The joints between the hips and the arms' parent, from the hips on, without hips and neck.
@@ -370,61 +296,65 @@ void Put(const GivenJoints& given, JointMap& map) {
   }
 }
 
-}  // namespace
-
-Result<HumanoidMap> FindHumanoid(const Skeleton& skeleton, const JointNames& given,
-                                 std::span<const RigPose> poses) {
-  const auto hand = ReadGiven(skeleton, given);
-  if (!hand.ok()) return hand.status();
-  HumanoidMap map;
-  map.joint = MapJointNames(skeleton);
-  map.reason = "by names alone";
-  const JointMap named = map.joint;
-  const auto finish = [&] {
-    Put(hand.value(), map.joint);
-    return map;
-  };
-  if (!HasTree(skeleton)) return finish();
-  const auto by_names_alone = [&]() -> Result<HumanoidMap> {
-    map.joint = named;
-    finish();
-    if (const Status status = CheckOrder(skeleton, map.joint); !status.ok()) return status;
-    return map;
-  };
-
-  auto names = ReadNames(skeleton.names);
-  auto by_hand = names;  // without sides but those given by hand
-  for (NameReading& name : by_hand) name.side = 0;
+// A skeleton with all that its joints' names say.
+struct Named {
+  const Skeleton& skeleton;
+  GivenJoints given;
+  JointMap by_tables;                // MapJointNames
+  std::vector<NameReading> names;    // with the sides given by hand
+  std::vector<NameReading> by_hand;  // without sides but those
+};
+Named ReadAll(const Skeleton& skeleton, const GivenJoints& given) {
+  Named named{skeleton, given, MapJointNames(skeleton), ReadNames(skeleton.names), {}};
+  named.by_hand = named.names;
+  for (NameReading& name : named.by_hand) name.side = 0;
   for (std::size_t c = 0; c < kJointCount; ++c) {
-    const auto& joint = hand.value()[c];
-    if (!joint || *joint < 0) continue;
+    if (!given[c] || *given[c] < 0) continue;
     constexpr int kWeight = 4;  // of a limb's other names
-    const auto j = static_cast<std::size_t>(*joint);
-    names[j].side = by_hand[j].side = kWeight * SideOf(static_cast<int>(c));
+    const auto j = static_cast<std::size_t>(*given[c]);
+    named.names[j].side = named.by_hand[j].side = kWeight * SideOf(static_cast<int>(c));
   }
-  const Places places(skeleton, poses);
-  bool by_names = true;
-  std::vector<int> contradicting;
+  return named;
+}
+
+// The tree as it is read, with names or alone; the best reading has its left limbs first.
+struct Choice {
   std::vector<TreeReading> read;
-  for (;; by_names = false) {
-    read = ReadTree(skeleton, by_names ? names : by_hand, named, by_names, hand.value());
-    if (read.empty() && by_names) continue;
-    if (read.empty() || (!by_names && read.front().score < kImplausible)) return by_names_alone();
-    const bool sided = PutLeftFirst(read.front(), places);
-    map.joint = MapOf(skeleton, read.front(), by_names ? named : kNone, names);
+  JointMap map{};
+  bool by_names = true;
+  std::vector<int> contradicting;  // joints whose names say otherwise
+};
+std::vector<TreeReading> Read(const Named& named, bool by_names) {
+  return ReadTree(named.skeleton, by_names ? named.names : named.by_hand, named.by_tables, by_names,
+                  named.given);
+}
+
+// By names where they fit the tree; by the tree alone where several contradict it, or few say
+// anything. Nothing: no such tree is there, names alone may tell. Error: sides that nothing tells.
+Result<std::optional<Choice>> Choose(const Named& named, const Places& places) {
+  std::vector<int> contradicting;
+  for (const bool by_names : {true, false}) {
+    Choice choice{Read(named, by_names), {}, by_names, contradicting};
+    if (choice.read.empty()) continue;
+    TreeReading& best = choice.read.front();
+    const bool sided = PutLeftFirst(best, places);
+    choice.map = MapOf(named.skeleton, best, by_names ? named.by_tables : kNone, named.names);
     if (by_names) {
-      contradicting = Contradictions(map.joint, names);
+      contradicting = choice.contradicting = Contradictions(choice.map, named.names);
       if (contradicting.size() >= kContradictions) continue;
-      if (Confirmed(map.joint, names) < kFewWords) continue;
-    } else if (read.front().score < kPlausible && AreHelpers(map.joint, names)) {
-      return by_names_alone();
+      if (Confirmed(choice.map, named.names) < kFewWords) continue;
+    } else if (best.score < kImplausible ||
+               (best.score < kPlausible && AreHelpers(choice.map, named.names))) {
+      continue;
     }
-    if (!sided) return NoSides(skeleton, read.front());
-    break;
+    if (!sided) return NoSides(named.skeleton, best);
+    return std::optional(std::move(choice));
   }
-  const auto say = [&map](const std::string& sentence) {
-    map.remark += (map.remark.empty() ? "" : "; ") + sentence;
-  };
+  return std::optional<Choice>();
+}
+
+// The lead of the best reading over the next one. Error: it is a doubt.
+Result<float> LeadOf(const Skeleton& skeleton, const std::vector<TreeReading>& read) {
   const TreeReading& best = read.front();
   float lead = std::numeric_limits<float>::infinity();
   for (std::size_t i = 1; i < read.size(); ++i) {
@@ -437,37 +367,78 @@ Result<HumanoidMap> FindHumanoid(const Skeleton& skeleton, const JointNames& giv
   if (best.head_lead < kDoubt) {
     return Doubt(skeleton, {body::kHead, best.head, best.other_head});
   }
-  lead = std::min(lead, best.head_lead);
-  map.confidence = 1 - std::exp(-lead);
-  map.reason = by_names ? "by the tree and names" : "by the tree alone";
+  return std::min(lead, best.head_lead);
+}
+
+// What contradicts the choice; "" if nothing.
+std::string RemarkOn(const Named& named, const Choice& choice, const Places& places) {
+  const Skeleton& skeleton = named.skeleton;
+  const TreeReading& best = choice.read.front();
+  std::string remark;
+  const auto say = [&remark](const std::string& sentence) {
+    remark += (remark.empty() ? "" : "; ") + sentence;
+  };
+  const std::vector<int>& contradicting = choice.contradicting;
   if (!contradicting.empty()) {
     const std::string which =
         contradicting.size() == 1
             ? "the name of joint " + Shown(skeleton, contradicting[0]) + " says"
             : "the names of " + std::to_string(contradicting.size()) + " joints, " +
                   Shown(skeleton, contradicting[0]) + " the first, say";
-    if (!by_names) {
+    const auto alone = choice.by_names ? Read(named, false) : std::vector<TreeReading>();
+    if (!choice.by_names) {
       say(which + " another part of the body than the tree, which was followed");
-    } else {
-      const auto alone = ReadTree(skeleton, by_hand, named, false, hand.value());
-      if (!alone.empty() && !SameBody(best, alone.front())) {
-        say(which +
-            " another part of the body than its place, and the tree alone would be read "
-            "otherwise");
-      }
+    } else if (!alone.empty() && !SameBody(best, alone.front())) {
+      say(which +
+          " another part of the body than its place, and the tree alone would be read "
+          "otherwise");
     }
   }
-  if (places.Left(best.legs.a, best.legs.b, best) < -kBackwards) {
+  if (places.LeftOf(best) < -kOpposite) {
     say("the toes say left where the names say right: sides are exchanged, or the axes are "
         "left-handed");
   }
-  const auto second = std::find_if(read.begin(), read.end(), [&](const TreeReading& other) {
-    return AreApart(skeleton, best, other);
-  });
-  if (second != read.end() && best.score - second->score < kSecondBody) {
+  if (places.Alike(best.arms, best.legs) < -kOpposite) {
+    say("the arm that names call the left one is above the leg that they call the right one");
+  }
+  const auto second =
+      std::find_if(choice.read.begin(), choice.read.end(),
+                   [&](const TreeReading& other) { return AreApart(skeleton, best, other); });
+  if (second != choice.read.end() && best.score - second->score < kSecondBody) {
     say("a second body, with the head " + Shown(skeleton, second->head) + ", is left out");
   }
-  return finish();
+  return remark;
+}
+
+}  // namespace
+
+Result<HumanoidMap> FindHumanoid(const Skeleton& skeleton, const JointNames& given,
+                                 std::span<const RigPose> poses) {
+  const auto hand = ReadGiven(skeleton, given);
+  if (!hand.ok()) return hand.status();
+  if (!HasTree(skeleton)) {
+    HumanoidMap map{MapJointNames(skeleton), 0, "by names alone", ""};
+    Put(hand.value(), map.joint);
+    return map;
+  }
+  const Named named = ReadAll(skeleton, hand.value());
+  const Places places(skeleton, poses);
+  const auto choice = Choose(named, places);
+  if (!choice.ok()) return choice.status();
+  if (!choice.value()) {
+    HumanoidMap map{named.by_tables, 0, "by names alone", ""};
+    Put(hand.value(), map.joint);
+    if (const Status status = CheckOrder(skeleton, map.joint); !status.ok()) return status;
+    return map;
+  }
+  const Choice& chosen = *choice.value();
+  const auto lead = LeadOf(skeleton, chosen.read);
+  if (!lead.ok()) return lead.status();
+  HumanoidMap map{chosen.map, 1 - std::exp(-lead.value()),
+                  chosen.by_names ? "by the tree and names" : "by the tree alone",
+                  RemarkOn(named, chosen, places)};
+  Put(hand.value(), map.joint);
+  return map;
 }
 
 Result<JointMap> MapJoints(const Skeleton& skeleton, const JointNames& given) {

@@ -190,6 +190,7 @@ Result<BoundBody> BindBody(const v1::Body& body, const std::optional<KeptRest>& 
   const auto bind = [&]() -> Result<rig::Binding> {
     if (calibrated && calibrated->skeleton == SkeletonHash(skeleton.value())) {
       bound.dialect = "calibrated";
+      bound.remark.clear();  // the calibration has found sides and axes
       bound.left_handed = calibrated->left_handed;
       rig::BindingSpec spec{std::move(skeleton.value()), map, calibrated->rotations,
                             calibrated->canonical_from_source};

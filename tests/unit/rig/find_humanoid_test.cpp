@@ -288,6 +288,25 @@ TEST(FindHumanoid, NamesThatContradictTheTreeAreSaid) {
   EXPECT_THAT(found.value().remark, HasSubstr("another part of the body than the tree"));
 }
 
+TEST(FindHumanoid, SidesThatDisagreeAreSaid) {
+  const auto remark = [](std::initializer_list<int> exchanged) {
+    Skeleton skeleton = HumanoidSkeleton();
+    for (const int c : exchanged) {
+      std::swap(skeleton.names[static_cast<std::size_t>(c)],
+                skeleton.names[static_cast<std::size_t>(body::MirrorJoint(c))]);
+    }
+    return FindHumanoid(skeleton).value().remark;
+  };
+  EXPECT_EQ(remark({}), "");
+  EXPECT_THAT(
+      remark({body::kLeftShoulder, body::kLeftUpperArm, body::kLeftLowerArm, body::kLeftHand}),
+      HasSubstr("is above the leg"));
+  EXPECT_THAT(
+      remark({body::kLeftShoulder, body::kLeftUpperArm, body::kLeftLowerArm, body::kLeftHand,
+              body::kLeftUpperLeg, body::kLeftLowerLeg, body::kLeftFoot, body::kLeftToes}),
+      HasSubstr("the toes say left"));
+}
+
 TEST(FindHumanoid, RefusesJointsByHandThatCannotBe) {
   const Skeleton skeleton = HumanoidSkeleton();
   const auto complaint = [&](const JointNames& given) {
