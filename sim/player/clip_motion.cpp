@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "model/base/text.h"
 #include "model/clip/bind_clip.h"
 #include "model/rig/dialects.h"
 #include "model/rig/motion_up.h"
@@ -79,6 +80,9 @@ Status ClipMotion::Load(std::size_t file) {
   if (Status status = NameJoints(read.value().skeleton); !status.ok()) {
     return Status::Error(files_[file].string() + ": " + status.message());
   }
+  if (Status status = CheckSize(read.value()); !status.ok()) {
+    return Status::Error(files_[file].string() + ": " + status.message());
+  }
   FindTPose(files_[file].string(), read.value());
   clip_ = clip::Resample(read.value(), options_.rate_hz);
   file_ = file;
@@ -90,6 +94,20 @@ Status ClipMotion::Load(std::size_t file) {
   return Status::Ok();
 }
 
+// A clip at 1 Hz becomes 120 times as large: 1 MB of text took 676 MB.
+Status ClipMotion::CheckSize(const clip::Clip& clip) const {
+  constexpr double kMost_MiB = 512;  // 110 minutes of a body of 21 joints at 120 Hz
+  const double frames = static_cast<double>(clip.frames.size()) * options_.rate_hz / clip.rate_hz;
+  const double size_MiB =
+      frames * static_cast<double>(clip::FrameBytes(clip.skeleton.names.size())) / (1 << 20);
+  if (size_MiB <= kMost_MiB) return Status::Ok();
+  return Status::Error("found " + NumberText(frames / options_.rate_hz, 0) + " s of " +
+                       std::to_string(clip.skeleton.joint_count()) + " joints, " +
+                       NumberText(size_MiB, 0) + " MiB at " + NumberText(options_.rate_hz) +
+                       " Hz, expected at most " + NumberText(kMost_MiB) +
+                       " MiB; a lower --rate or a shorter clip");
+}
+
 Status ClipMotion::NameJoints(rig::Skeleton& skeleton) const {
   if (options_.joints.empty()) return Status::Ok();
   const auto map = rig::MapJoints(skeleton, options_.joints);
@@ -98,7 +116,7 @@ Status ClipMotion::NameJoints(rig::Skeleton& skeleton) const {
     const auto joint = std::find(skeleton.names.begin(), skeleton.names.end(), name);
     if (joint == skeleton.names.end()) continue;  // "": the rig has none
     const auto taken = std::find(skeleton.names.begin(), skeleton.names.end(), canonical);
-    if (taken != skeleton.names.end()) *taken += "_";
+    if (taken != skeleton.names.end() && taken != joint) *taken += "_";
     *joint = canonical;
   }
   return Status::Ok();

@@ -33,7 +33,8 @@ struct ClipMotionOptions {
 class ClipMotion final : public Motion {
  public:
   // Reads and resamples the first file. `files` must not be empty. Errors: those of clip::ReadBvh,
-  // and of joints by hand that rig::MapJoints refuses.
+  // of joints by hand that rig::MapJoints refuses, and a clip that takes more than 512 MiB at the
+  // rate.
   static Result<std::unique_ptr<ClipMotion>> Make(std::vector<std::filesystem::path> files,
                                                   ClipMotionOptions options);
 
@@ -44,6 +45,7 @@ class ClipMotion final : public Motion {
  private:
   ClipMotion() = default;
   Status Load(std::size_t file);
+  Status CheckSize(const clip::Clip& clip) const;
   Status NameJoints(rig::Skeleton& skeleton) const;
   void FindTPose(const std::string& name, clip::Clip& clip) const;
   void JoinPasses(const rig::RigPose& last);

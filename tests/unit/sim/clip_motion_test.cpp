@@ -51,6 +51,35 @@ TEST_F(ClipMotionTest, AFolderStandsForItsFilesByName) {
   EXPECT_EQ(files.value(), (std::vector<fs::path>{folder_ / "a.BVH", folder_ / "b.bvh"}));
 }
 
+TEST_F(ClipMotionTest, AClipThatIsTooLargeAtTheRateIsRefused) {
+  std::ofstream slow(folder_ / "slow.bvh");
+  slow << "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Yrotation\n}\nMOTION\nFrames: 60000\n"
+          "Frame Time: 1\n";
+  for (int i = 0; i < 60000; ++i) slow << "0\n";
+  slow.close();
+  const auto refused = ClipMotion::Make({folder_ / "slow.bvh"}, {.rate_hz = 120});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.status().message().find("MiB at 120 Hz, expected at most 512 MiB"),
+            std::string::npos)
+      << refused.status().message();
+  EXPECT_TRUE(ClipMotion::Make({folder_ / "slow.bvh"}, {.rate_hz = 5}).ok());
+}
+
+TEST_F(ClipMotionTest, JointsByHandAreSentUnderTheHumanoidsNames) {
+  const auto file = Write("walk.bvh", "walk:10", 1);
+  const auto made =
+      ClipMotion::Make({file}, {.joints = {{"leftUpperArm", "leftUpperArm"}, {"neck", "head"}}});
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  const auto& names = made.value()->body().skeleton.names;
+  EXPECT_EQ(names[body::kHead], "neck");
+  EXPECT_EQ(names[body::kNeck], "neck_") << "one name for each";
+  const auto wrong = ClipMotion::Make({file}, {.joints = {{"neck", "Hals"}}});
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_NE(wrong.status().message().find("walk.bvh: joints.neck: the rig has no joint"),
+            std::string::npos)
+      << wrong.status().message();
+}
+
 TEST_F(ClipMotionTest, PlaysAFileOnceAtTheAskedRate) {
   const auto file = Write("walk.bvh", "walk:10", 3);
   auto made = ClipMotion::Make({file}, {.rate_hz = 120});
