@@ -9,8 +9,6 @@
 namespace styled::rig {
 namespace {
 
-using body::kJointCount;
-
 // The bones that are compared. Short ones are not: where a neck begins is each tool's own choice.
 struct Bone {
   int from, to;

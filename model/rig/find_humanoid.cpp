@@ -223,10 +223,12 @@ Status CheckOrder(const Skeleton& skeleton, const JointMap& map) {
     const int joint = map[c], above = map[static_cast<std::size_t>(parent)];
     if (joint < 0 || above < 0 || IsAbove(skeleton, above, joint)) continue;
     const std::string canonical(body::kHumanoid[c].name);
-    return Status::Error("joints: found " + Shown(skeleton, joint) + " for " + canonical +
-                         ", expected a joint below " + Shown(skeleton, above) +
-                         "; give them by hand, for example " + canonical + " = " +
-                         Shown(skeleton, joint));
+    const std::string found = Shown(skeleton, joint);
+    std::string message = "joints: found ";
+    message.append(found).append(" for ").append(canonical);
+    message.append(", expected a joint below ").append(Shown(skeleton, above));
+    message.append("; give them by hand, for example ").append(canonical);
+    return Status::Error(message.append(" = ").append(found));
   }
   return Status::Ok();
 }
@@ -272,15 +274,17 @@ Result<GivenJoints> ReadGiven(const Skeleton& skeleton, const JointNames& names)
     const auto c = static_cast<std::size_t>(row - body::kHumanoid.begin());
     const auto joint = std::find(skeleton.names.begin(), skeleton.names.end(), name);
     if (!name.empty() && joint == skeleton.names.end()) {
-      return Status::Error("joints." + canonical + ": the rig has no joint \"" + name + "\"");
+      std::string message = "joints." + canonical;
+      return Status::Error(message.append(": the rig has no joint \"").append(name).append("\""));
     }
     given[c] = name.empty() ? -1 : static_cast<int>(joint - skeleton.names.begin());
     if (name.empty()) continue;
     int& other = user[static_cast<std::size_t>(*given[c])];
     if (other >= 0 && other != static_cast<int>(c)) {
-      return Status::Error("joints: \"" + name + "\" is given for " +
-                           std::string(body::kHumanoid[static_cast<std::size_t>(other)].name) +
-                           " and for " + canonical);
+      std::string message = "joints: \"" + name;
+      message.append("\" is given for ")
+          .append(body::kHumanoid[static_cast<std::size_t>(other)].name);
+      return Status::Error(message.append(" and for ").append(canonical));
     }
     other = static_cast<int>(c);
   }

@@ -72,13 +72,13 @@ class Reader {
     }
   }
 
-  // The best readings, the best first; of two that have the same limbs and hips only one.
+  // All readings, the best first.
   std::vector<TreeReading> Read() const {
     const std::vector<LimbPair> arms = Pairs(kArm), legs = Pairs(kLeg);
     std::vector<TreeReading> all;
     for (const LimbPair& arm : arms) {
       for (const LimbPair& leg : legs) {
-        if (auto found = Join(arm, leg)) all.push_back(std::move(*found));
+        if (auto found = Join(arm, leg)) all.push_back(*found);
       }
     }
     std::stable_sort(all.begin(), all.end(),
