@@ -58,7 +58,7 @@ Vec3 AcrossChest(const Standing& pose) {
   const Vec3 hips = Across(pose, body::kLeftUpperLeg, body::kRightUpperLeg, pose.smallest_bone);
   for (const auto& [left, right] : {std::pair{body::kLeftShoulder, body::kRightShoulder},
                                     std::pair{body::kLeftUpperArm, body::kRightUpperArm}}) {
-    const Vec3 across = Across(pose, left, right, pose.smallest_collars);
+    Vec3 across = Across(pose, left, right, pose.smallest_collars);
     if (!across.isZero() && (hips.isZero() || across.dot(hips) > kLeastCosine)) return across;
   }
   return Vec3::Zero();
