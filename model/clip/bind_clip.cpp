@@ -28,6 +28,7 @@ using JointMap = std::array<int, body::kJointCount>;
 // these.
 constexpr double kLookEvery_s = 0.1;
 constexpr float kZeroBonus_deg = 5;
+constexpr const char* kZeroPose = "zero pose";
 constexpr std::size_t kNamesShown = 60, kShownName = 64;  // bytes of each name
 
 // World transforms of one pose, in source units and axes.
@@ -226,7 +227,7 @@ class Straightest {
 
 // The straighter of the zero pose and the frames, as far as `kind` allows them.
 Result<Stander> FindStander(const Clip& clip, const JointMap& map, RestPose::Kind kind) {
-  auto zero = Judge(clip.skeleton, map, RigPose(clip.skeleton), "zero pose");
+  auto zero = Judge(clip.skeleton, map, RigPose(clip.skeleton), kZeroPose);
   if (kind == RestPose::Kind::kZero) return zero;
   float off_deg = 0;
   auto frames =
@@ -264,6 +265,12 @@ std::string AxisText(const Vec3& axis) {
   axis.cwiseAbs().maxCoeff(&largest);
   return (axis[largest] < 0 ? "-" : "+") + std::string(1, "XYZ"[largest]);
 }
+// As ParseUp reads it.
+std::string AxisWord(const Vec3& axis) {
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  return (axis[largest] < 0 ? "-" : "") + std::string(1, "xyz"[largest]);
+}
 
 // Turns the binding to the motion's up axis, and writes the remark.
 Status Check(const std::vector<RigPose>& frames, const std::optional<Vec3>& wanted,
@@ -278,11 +285,19 @@ Status Check(const std::vector<RigPose>& frames, const std::optional<Vec3>& want
   if (up && up->dot(was) < 0.99F) {
     auto turned = rig::WithUp(bound.binding, *up);
     if (!turned.ok()) return turned.status();
-    bound.binding = std::move(turned.value());
+    const bool stands = wanted || rig::StandsOnFloor(turned.value(), frames);
+    if (stands) bound.binding = std::move(turned.value());
     if (!wanted) {
       say("the zero pose stands along " + AxisText(was) + ", the frames along " + AxisText(*up) +
-          ", which is taken for up");
+          (stands ? ", which is taken for up; a performer who lies: --up " + AxisWord(was)
+                  : ", but not above a floor there, so that they lie; if they stand: --up " +
+                        AxisWord(*up)));
     }
+  } else if (!wanted && !bound.rest.empty() && bound.rest != kZeroPose &&
+             was.dot(Vec3::UnitY()) < 0.99F && !rig::StandsOnFloor(bound.binding, frames)) {
+    say("up is taken to be " + AxisText(was) +
+        ", along which the trunk lies in the frames; "
+        "another axis: --up");
   }
   say(rig::WrongBone(bound.binding, frames));
   return Status::Ok();
@@ -348,12 +363,12 @@ Result<RestPose> ParseRestPose(const std::string& text) {
 
 Result<std::optional<Vec3>> ParseUp(const std::string& text) {
   if (text == "auto") return std::optional<Vec3>();
-  const bool minus = text.starts_with('-');
-  const std::size_t axis = std::string_view("xyz").find(text.substr(minus ? 1 : 0));
-  if (text.size() != (minus ? 2U : 1U) || axis == std::string_view::npos) {
+  const bool minus = text.starts_with('-'), sign = minus || text.starts_with('+');
+  const std::size_t axis = std::string_view("xyzXYZ").find(text.substr(sign ? 1 : 0));
+  if (text.size() != (sign ? 2U : 1U) || axis == std::string_view::npos) {
     return Status::Error("'" + text + "': expected auto, x, y, z, -x, -y or -z");
   }
-  return std::optional<Vec3>((minus ? -1.0F : 1.0F) * Vec3::Unit(static_cast<int>(axis)));
+  return std::optional<Vec3>((minus ? -1.0F : 1.0F) * Vec3::Unit(static_cast<int>(axis % 3)));
 }
 
 Result<BoundClip> BindClip(const Clip& clip, const BindOptions& options) {
@@ -363,7 +378,10 @@ Result<BoundClip> BindClip(const Clip& clip, const BindOptions& options) {
     return Status::Error(map.status().message() + "; its joints: " + Names(clip.skeleton));
   }
   auto bound = BindPose(clip, options, map.value().joint);
-  if (!bound.ok()) return bound;
+  if (!bound.ok()) {
+    const std::string& remark = map.value().remark;
+    return Status::Error(bound.status().message() + (remark.empty() ? "" : "; " + remark));
+  }
   bound.value().map = std::move(map.value());
   const Status status = Check(frames, options.up, bound.value());
   if (!status.ok()) return status;

@@ -529,6 +529,9 @@ class Parser {
 }  // namespace
 
 Result<Clip> ParseBvh(std::string_view text, const std::string& name, const ReadLimits& limits) {
+  if (text.starts_with("glTF")) {
+    return Status::Error(name + ": found glTF, expected BVH");
+  }
   std::string utf8;
   return Parser(PlainText(text, utf8), name, limits).Run();
 }

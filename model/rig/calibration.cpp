@@ -174,7 +174,10 @@ Result<Binding> BindStanding(const Skeleton& skeleton, const JointMap& source_jo
         "avatar: found hips and head, or left and right, in one place, expected one that stands");
   }
   if (ToesPointBackward(stand, *axes)) {
-    return Status::Error("avatar: its toes point backward, expected right-handed axes");
+    return Status::Error(
+        "avatar: its toes point backward: left and right are exchanged by the names, or the axes "
+        "are "
+        "left-handed");
   }
   const auto bones =
       Judge(skeleton, stand, *axes, t_pose ? std::optional(StandingPose::kT) : std::nullopt);

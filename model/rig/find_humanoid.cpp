@@ -42,8 +42,11 @@ constexpr std::array<std::array<int, kPlaces>, 2> kLimbJoints = {
     {{body::kLeftShoulder, body::kLeftUpperArm, body::kLeftLowerArm, body::kLeftHand, -1},
      {-1, body::kLeftUpperLeg, body::kLeftLowerLeg, body::kLeftFoot, body::kLeftToes}}};
 
+std::string NameOf(const Skeleton& skeleton, int joint) {
+  return Printable(skeleton.names[static_cast<std::size_t>(joint)], kMaxShown);
+}
 std::string Shown(const Skeleton& skeleton, int joint) {
-  return "\"" + Printable(skeleton.names[static_cast<std::size_t>(joint)], kMaxShown) + "\"";
+  return "\"" + NameOf(skeleton, joint) + "\"";
 }
 
 // The parts of the canonical joints.
@@ -73,11 +76,11 @@ std::vector<int> Contradictions(const JointMap& map, const std::vector<NameReadi
   return contradicting;
 }
 
-// The number of joints whose names are words for their parts.
+// The number of joints whose names have a word for their parts.
 std::ptrdiff_t Confirmed(const JointMap& map, const std::vector<NameReading>& names) {
   std::ptrdiff_t count = 0;
   for (std::size_t c = 0; c < map.size(); ++c) {
-    if (map[c] >= 0 && names[static_cast<std::size_t>(map[c])].Says(kParts[c])) ++count;
+    if (map[c] >= 0 && names[static_cast<std::size_t>(map[c])].Hints(kParts[c])) ++count;
   }
   return count;
 }
@@ -205,8 +208,10 @@ bool IsAbove(const Skeleton& skeleton, int above, int joint) {
   return joint == above;
 }
 
-// Whether two readings are of two bodies: no limb of one is a part of the other's.
+// Whether two readings are of two bodies: neither the hips nor a limb of one is a part of the
+// other.
 bool AreApart(const Skeleton& skeleton, const TreeReading& x, const TreeReading& y) {
+  if (IsAbove(skeleton, x.hips, y.hips) || IsAbove(skeleton, y.hips, x.hips)) return false;
   for (const int one : {x.arms.root_a, x.arms.root_b, x.legs.root_a, x.legs.root_b}) {
     for (const int other : {y.arms.root_a, y.arms.root_b, y.legs.root_a, y.legs.root_b}) {
       if (IsAbove(skeleton, one, other) || IsAbove(skeleton, other, one)) return false;
@@ -228,7 +233,7 @@ Status CheckOrder(const Skeleton& skeleton, const JointMap& map) {
     message.append(found).append(" for ").append(canonical);
     message.append(", expected a joint below ").append(Shown(skeleton, above));
     message.append("; give them by hand, for example ").append(canonical);
-    return Status::Error(message.append(" = ").append(found));
+    return Status::Error(message.append("=").append(NameOf(skeleton, joint)));
   }
   return Status::Ok();
 }
@@ -236,8 +241,8 @@ Status CheckOrder(const Skeleton& skeleton, const JointMap& map) {
 Status NoSides(const Skeleton& skeleton, const TreeReading& reading) {
   return Status::Error(
       "joints: found nothing that tells left from right, neither names nor toes; give one side by "
-      "hand, for example leftUpperArm = " +
-      Shown(skeleton, reading.arms.a.joints[kUpper]));
+      "hand, for example leftUpperArm=" +
+      NameOf(skeleton, reading.arms.a.joints[kUpper]));
 }
 
 Status Doubt(const Skeleton& skeleton, const Difference& difference) {
@@ -245,7 +250,7 @@ Status Doubt(const Skeleton& skeleton, const Difference& difference) {
   return Status::Error("joints: found two joints that may be the " + canonical + ", " +
                        Shown(skeleton, difference.one) + " and " +
                        Shown(skeleton, difference.other) + "; give it by hand, for example " +
-                       canonical + " = " + Shown(skeleton, difference.one));
+                       canonical + "=" + NameOf(skeleton, difference.one));
 }
 
 bool HasTree(const Skeleton& skeleton) {
@@ -328,9 +333,9 @@ struct Choice {
   bool by_names = true;
   std::vector<int> contradicting;  // joints whose names say otherwise
 };
-std::vector<TreeReading> Read(const Named& named, bool by_names) {
-  return ReadTree(named.skeleton, by_names ? named.names : named.by_hand, named.by_tables, by_names,
-                  named.given);
+std::vector<TreeReading> Read(const Named& named, NameUse use) {
+  return ReadTree(named.skeleton, use == NameUse::kAll ? named.names : named.by_hand,
+                  named.by_tables, use, named.given);
 }
 
 // By names where they fit the tree; by the tree alone where several contradict it, or few say
@@ -338,7 +343,10 @@ std::vector<TreeReading> Read(const Named& named, bool by_names) {
 Result<std::optional<Choice>> Choose(const Named& named, const Places& places) {
   std::vector<int> contradicting;
   for (const bool by_names : {true, false}) {
-    Choice choice{Read(named, by_names), {}, by_names, contradicting};
+    const NameUse use = by_names                ? NameUse::kAll
+                        : contradicting.empty() ? NameUse::kHelpers
+                                                : NameUse::kNone;
+    Choice choice{Read(named, use), {}, by_names, contradicting};
     if (choice.read.empty()) continue;
     TreeReading& best = choice.read.front();
     const bool sided = PutLeftFirst(best, places);
@@ -389,7 +397,7 @@ std::string RemarkOn(const Named& named, const Choice& choice, const Places& pla
             ? "the name of joint " + Shown(skeleton, contradicting[0]) + " says"
             : "the names of " + std::to_string(contradicting.size()) + " joints, " +
                   Shown(skeleton, contradicting[0]) + " the first, say";
-    const auto alone = choice.by_names ? Read(named, false) : std::vector<TreeReading>();
+    const auto alone = choice.by_names ? Read(named, NameUse::kNone) : std::vector<TreeReading>();
     if (!choice.by_names) {
       say(which + " another part of the body than the tree, which was followed");
     } else if (!alone.empty() && !SameBody(best, alone.front())) {
@@ -399,7 +407,7 @@ std::string RemarkOn(const Named& named, const Choice& choice, const Places& pla
     }
   }
   if (places.LeftOf(best) < -kOpposite) {
-    say("the toes say left where the names say right: sides are exchanged, or the axes are "
+    say("toes or knees say left where the names say right: sides are exchanged, or the axes are "
         "left-handed");
   }
   if (places.Alike(best.arms, best.legs) < -kOpposite) {

@@ -56,6 +56,18 @@ std::optional<Vec3> UpOfMotion(const Binding& binding, std::span<const RigPose> 
   return std::nullopt;
 }
 
+bool StandsOnFloor(const Binding& binding, std::span<const RigPose> poses) {
+  constexpr float kLow_m = 0.5F, kHigh_m = 1.5F;  // the humanoid's hips stand at 0.98 m
+  body::Pose pose;
+  int standing = 0;
+  for (const RigPose& source : poses) {
+    binding.Bind(source, pose);
+    const float height_m = pose.hips_position_m.y();
+    standing += height_m > kLow_m && height_m < kHigh_m ? 1 : 0;
+  }
+  return static_cast<float>(standing) >= kMost * static_cast<float>(poses.size());
+}
+
 Result<Binding> WithUp(const Binding& binding, const Vec3& up) {
   BindingSpec spec = binding.spec();
   const Vec3 now = UpOf(binding);

@@ -18,6 +18,10 @@ Vec3 UpOf(const Binding& binding);
 // poses cannot be told from one who stands along it.
 std::optional<Vec3> UpOfMotion(const Binding& binding, std::span<const RigPose> poses);
 
+// Whether the hips are as far above the origin, along the up axis, as those of a body that stands,
+// walks or jumps there: in most of `poses`. Motion without a floor at its origin does not.
+bool StandsOnFloor(const Binding& binding, std::span<const RigPose> poses);
+
 // The binding of the same skeleton for motion whose up axis is `up`, a unit axis of the source: its
 // T-pose stands along `up`, turned by the shortest way.
 Result<Binding> WithUp(const Binding& binding, const Vec3& up);

@@ -46,14 +46,14 @@ constexpr std::array<Part, kPlaces> kLegParts = {Part::kCount, Part::kUpperLeg, 
 
 class Reader {
  public:
-  // `names_count`: whether names score; sides and joints given by hand always count.
   // `named`: the map of the tables of conventions.
   Reader(const Skeleton& skeleton, const std::vector<NameReading>& names, const JointMap& named,
-         bool names_count, const GivenJoints& given)
+         NameUse use, const GivenJoints& given)
       : skeleton_(skeleton),
         names_(names),
         named_(named),
-        names_count_(names_count),
+        use_(use),
+        names_count_(use == NameUse::kAll),
         given_(given) {
     const auto count = skeleton.names.size();
     children_.resize(count);
@@ -113,8 +113,9 @@ class Reader {
     if (part == Part::kCount) return 0;
     const NameReading& name = names_[static_cast<std::size_t>(joint)];
     if (name.end && Children(joint).empty()) return kOther;
-    if (!names_count_) return 0;
+    if (use_ == NameUse::kNone) return 0;
     if (name.other) return kOther;
+    if (!names_count_) return 0;
     float score = name.twist ? kTwist : 0;
     const auto [left, right] = Canonical(part);
     if (named_[static_cast<std::size_t>(left)] == joint ||
@@ -433,6 +434,7 @@ class Reader {
   const Skeleton& skeleton_;
   const std::vector<NameReading>& names_;
   const JointMap& named_;
+  NameUse use_;
   bool names_count_;
   const GivenJoints& given_;
   std::vector<std::vector<int>> children_;
@@ -443,9 +445,8 @@ class Reader {
 }  // namespace
 
 std::vector<TreeReading> ReadTree(const Skeleton& skeleton, const std::vector<NameReading>& names,
-                                  const JointMap& named, bool names_count,
-                                  const GivenJoints& given) {
-  return Reader(skeleton, names, named, names_count, given).Read();
+                                  const JointMap& named, NameUse use, const GivenJoints& given) {
+  return Reader(skeleton, names, named, use, given).Read();
 }
 
 }  // namespace styled::rig

@@ -47,12 +47,14 @@ struct TreeReading {
   float score = -std::numeric_limits<float>::infinity();
 };
 
+// What of the names counts: all they say; only that a joint is a helper (hair, the end of a bone);
+// nothing but the ends of bones.
+enum class NameUse { kAll, kHelpers, kNone };
+
 // The likely readings of a skeleton whose parents precede their children, the best first. Scores
 // are log-likelihoods up to a constant: of two readings that differ by 1, one is e times as likely.
-// `named`: what tables of conventions say. `names_count`: whether names score at all; joints given
-// by hand always do.
+// `named`: what tables of conventions say. Joints given by hand always count.
 std::vector<TreeReading> ReadTree(const Skeleton& skeleton, const std::vector<NameReading>& names,
-                                  const JointMap& named, bool names_count,
-                                  const GivenJoints& given);
+                                  const JointMap& named, NameUse use, const GivenJoints& given);
 
 }  // namespace styled::rig

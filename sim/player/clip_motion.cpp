@@ -9,6 +9,7 @@
 #include "model/base/text.h"
 #include "model/clip/bind_clip.h"
 #include "model/rig/dialects.h"
+#include "model/rig/find_humanoid.h"
 #include "model/rig/motion_up.h"
 
 namespace styled::player {
@@ -77,7 +78,7 @@ Status ClipMotion::Load(std::size_t file) {
   if (!read.value().remark.empty()) {
     std::fprintf(stderr, "%s: warning: %s\n", files_[file].c_str(), read.value().remark.c_str());
   }
-  if (Status status = NameJoints(read.value().skeleton); !status.ok()) {
+  if (Status status = NameJoints(read.value()); !status.ok()) {
     return Status::Error(files_[file].string() + ": " + status.message());
   }
   if (Status status = CheckSize(read.value()); !status.ok()) {
@@ -108,16 +109,20 @@ Status ClipMotion::CheckSize(const clip::Clip& clip) const {
                        " MiB; a lower --rate or a shorter clip");
 }
 
-Status ClipMotion::NameJoints(rig::Skeleton& skeleton) const {
+Status ClipMotion::NameJoints(clip::Clip& clip) const {
   if (options_.joints.empty()) return Status::Ok();
-  const auto map = rig::MapJoints(skeleton, options_.joints);
+  std::vector<std::string>& names = clip.skeleton.names;
+  const auto map = rig::FindHumanoid(clip.skeleton, options_.joints, clip.frames);
   if (!map.ok()) return map.status();
-  for (const auto& [canonical, name] : options_.joints) {
-    const auto joint = std::find(skeleton.names.begin(), skeleton.names.end(), name);
-    if (joint == skeleton.names.end()) continue;  // "": the rig has none
-    const auto taken = std::find(skeleton.names.begin(), skeleton.names.end(), canonical);
-    if (taken != skeleton.names.end() && taken != joint) *taken += "_";
-    *joint = canonical;
+  // All of them, because one given by hand may have been what decided about others.
+  for (std::size_t c = 0; c < map.value().joint.size(); ++c) {
+    const int joint = map.value().joint[c];
+    if (joint < 0) continue;
+    const std::string canonical(body::kHumanoid[c].name);
+    std::string& own = names[static_cast<std::size_t>(joint)];
+    const auto taken = std::find(names.begin(), names.end(), canonical);
+    if (taken != names.end() && &*taken != &own) *taken += "_";
+    own = canonical;
   }
   return Status::Ok();
 }

@@ -22,7 +22,8 @@ struct ClipMotionOptions {
   float metres_per_unit = 0;     // sent in the body; 0 = unknown
   bool loop = false;             // after the last file, continue with the first
   std::size_t first = 0;         // index of the file to start with
-  // Joints by hand, where names and tree leave a doubt: they are sent under the humanoid's names.
+  // Joints by hand, where names and tree leave a doubt: then all that are found are sent under the
+  // humanoid's names.
   rig::JointNames joints;
 };
 
@@ -46,7 +47,7 @@ class ClipMotion final : public Motion {
   ClipMotion() = default;
   Status Load(std::size_t file);
   Status CheckSize(const clip::Clip& clip) const;
-  Status NameJoints(rig::Skeleton& skeleton) const;
+  Status NameJoints(clip::Clip& clip) const;
   void FindTPose(const std::string& name, clip::Clip& clip) const;
   void JoinPasses(const rig::RigPose& last);
 

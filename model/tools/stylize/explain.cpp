@@ -12,6 +12,7 @@
 #include "model/clip/avatar.h"
 #include "model/clip/bind_clip.h"
 #include "model/rig/check_binding.h"
+#include "model/rig/find_humanoid.h"
 #include "model/rig/motion_up.h"
 #include "model/tools/stylize/stylize.h"
 
@@ -160,6 +161,9 @@ Status ExplainAvatar(const std::string& file, const rig::JointNames& joints) {
   PrintMap(binding.skeleton(), binding.spec().source_joint, "--avatar-joints");
   PrintTree(binding.skeleton(), binding.spec().source_joint);
   PrintAxes(binding);
+  std::printf("rest pose: %s\n", avatar.value().dialect == "vrm"
+                                     ? "the file's, a T-pose as VRM has it"
+                                     : "from how it stands in the file");
   Picture(body::Pose()).Print();
   return Status::Ok();
 }
@@ -186,7 +190,13 @@ Status Explain(const Arguments& arguments) {
       clip::BindClip(clip.value(), {arguments.rig, clip::ParseRestPose(arguments.rest).value(),
                                     joints.value(), clip::ParseUp(arguments.up).value()});
   if (!bound.ok()) {
-    PrintTree(skeleton, std::nullopt);
+    const auto found = rig::FindHumanoid(skeleton, joints.value(), clip.value().frames);
+    if (found.ok()) {
+      std::printf("found %s; not bound, see below\n", found.value().reason.c_str());
+      PrintMap(skeleton, found.value().joint, "--joints");
+    }
+    PrintTree(skeleton, found.ok() ? std::optional(found.value().joint) : std::nullopt);
+    std::fflush(stdout);
     return Status::Error(file + ": " + bound.status().message());
   }
   const auto& [binding, dialect, rest, map, remark] = bound.value();

@@ -188,7 +188,10 @@ class Run {
     for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
     if (!arguments_.avatar.empty()) {
       auto read = styled::clip::ReadAvatar(arguments_.avatar, "auto", avatar_joints_);
-      if (!read.ok()) return Status::Error("--avatar " + read.status().message());
+      if (!read.ok()) {
+        return Status::Error("--avatar " + read.status().message() +
+                             " (joints by hand: --avatar-joints)");
+      }
       avatar_ = std::move(read.value());
       guard_.Reads(arguments_.avatar, "the avatar");
       auto meshes = styled::clip::AvatarFile::Read(arguments_.avatar, *avatar_);
@@ -249,7 +252,12 @@ class Run {
     }
     auto clip = standard ? styled::clip::ParseBvh(text, "standard input")
                          : styled::clip::ReadBvh(input.file);
-    if (!clip.ok()) return clip.status();
+    if (!clip.ok()) {
+      const std::string& why = clip.status().message();
+      return Status::Error(why + (why.ends_with("found glTF, expected BVH")
+                                      ? " (an example may be glTF: stylectl like --clip)"
+                                      : ""));
+    }
     if (!clip.value().remark.empty()) {
       std::fprintf(stderr, "stylize: %s: warning: %s\n",
                    standard ? "standard input" : input.file.c_str(), clip.value().remark.c_str());
@@ -258,9 +266,12 @@ class Run {
         clip.value(), {arguments_.rig, styled::clip::ParseRestPose(arguments_.rest).value(),
                        joints_, styled::clip::ParseUp(arguments_.up).value()});
     if (!bound.ok()) {
-      return Status::Error((standard ? "standard input" : input.file) + ": " +
-                           bound.status().message() +
-                           " (by hand: --joints CANONICAL=NAME; --explain prints them)");
+      const std::string& why = bound.status().message();
+      const bool joints =
+          why.find("joint") != std::string::npos && why.find("found no pose") == std::string::npos;
+      return Status::Error((standard ? "standard input" : input.file) + ": " + why +
+                           (joints ? " (by hand: --joints CANONICAL=NAME; --explain prints them)"
+                                   : " (by hand: --rest, --up; --explain shows the skeleton)"));
     }
     if (!bound.value().remark.empty()) {
       std::fprintf(stderr, "stylize: %s: warning: %s\n",

@@ -236,6 +236,9 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
     return Status::Error("--explain: found other files, too, expected one clip or avatar alone");
   }
   if (arguments.list || !arguments.explain.empty()) return Status::Ok();
+  if (!arguments.like_joints.empty() && arguments.like.empty()) {
+    return Status::Error("--like-joints: expected --like, whose clips they belong to");
+  }
   if (Status files = CheckFiles(arguments); !files.ok()) return files;
   if (std::count(arguments.styles.begin(), arguments.styles.end(), "") > 0) {
     return Status::Error("--style: found nothing, expected a style; --list names them");

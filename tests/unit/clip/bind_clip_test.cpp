@@ -218,8 +218,10 @@ TEST(BindClip, AMotionWithAnotherUpAxisThanItsZeroPoseStandsUpright) {
   }
   const auto bound = BindClip(clip);
   ASSERT_TRUE(bound.ok()) << bound.status().message();
-  EXPECT_EQ(bound.value().remark,
-            "the zero pose stands along +Y, the frames along +Z, which is taken for up");
+  EXPECT_EQ(
+      bound.value().remark,
+      "the zero pose stands along +Y, the frames along +Z, which is taken for up; a performer "
+      "who lies: --up y");
   const auto expected = ToCanonical(upright, BindClip(upright).value().binding);
   const auto poses = ToCanonical(clip, bound.value().binding);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -230,7 +232,7 @@ TEST(BindClip, AMotionWithAnotherUpAxisThanItsZeroPoseStandsUpright) {
   EXPECT_LT((rig::UpOf(named.value().binding) - Vec3::UnitZ()).norm(), 1e-5F);
   const auto lying = BindClip(clip, {.up = ParseUp("y").value()});
   EXPECT_LT((rig::UpOf(lying.value().binding) - Vec3::UnitY()).norm(), 1e-5F);
-  for (const char* const wrong : {"", "-", "w", "zz", "up", "+z", "Z"}) {
+  for (const char* const wrong : {"", "-", "+", "w", "zz", "up", "--z"}) {
     EXPECT_THAT(ParseUp(wrong).status().message(), HasSubstr("expected auto, x, y, z")) << wrong;
   }
   EXPECT_FALSE(ParseUp("auto").value());

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <set>
+#include <string>
 
 #include "sim/player/performer_motion.h"
 #include "tests/support/temporary_folder.h"
@@ -53,9 +55,9 @@ TEST_F(ClipMotionTest, AFolderStandsForItsFilesByName) {
 
 TEST_F(ClipMotionTest, AClipThatIsTooLargeAtTheRateIsRefused) {
   std::ofstream slow(folder_ / "slow.bvh");
-  slow << "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Yrotation\n}\nMOTION\nFrames: 60000\n"
-          "Frame Time: 1\n";
-  for (int i = 0; i < 60000; ++i) slow << "0\n";
+  slow << "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition "
+          "Zposition Zrotation Xrotation Yrotation\n}\nMOTION\nFrames: 60000\nFrame Time: 1\n";
+  for (int i = 0; i < 60000; ++i) slow << "0.00 0.00 0.00 0.00 0.00 0.00\n";
   slow.close();
   const auto refused = ClipMotion::Make({folder_ / "slow.bvh"}, {.rate_hz = 120});
   ASSERT_FALSE(refused.ok());
@@ -65,14 +67,15 @@ TEST_F(ClipMotionTest, AClipThatIsTooLargeAtTheRateIsRefused) {
   EXPECT_TRUE(ClipMotion::Make({folder_ / "slow.bvh"}, {.rate_hz = 5}).ok());
 }
 
-TEST_F(ClipMotionTest, JointsByHandAreSentUnderTheHumanoidsNames) {
+TEST_F(ClipMotionTest, JointsByHandAndThoseTheyDecideAreSentUnderTheHumanoidsNames) {
   const auto file = Write("walk.bvh", "walk:10", 1);
-  const auto made =
-      ClipMotion::Make({file}, {.joints = {{"leftUpperArm", "leftUpperArm"}, {"neck", "head"}}});
+  const auto made = ClipMotion::Make({file}, {.joints = {{"neck", "head"}, {"head", "neck"}}});
   ASSERT_TRUE(made.ok()) << made.status().message();
   const auto& names = made.value()->body().skeleton.names;
   EXPECT_EQ(names[body::kHead], "neck");
-  EXPECT_EQ(names[body::kNeck], "neck_") << "one name for each";
+  EXPECT_EQ(names[body::kLeftUpperArm], "leftUpperArm");
+  std::set<std::string> all(names.begin(), names.end());
+  EXPECT_EQ(all.size(), names.size()) << "one name for each";
   const auto wrong = ClipMotion::Make({file}, {.joints = {{"neck", "Hals"}}});
   ASSERT_FALSE(wrong.ok());
   EXPECT_NE(wrong.status().message().find("walk.bvh: joints.neck: the rig has no joint"),

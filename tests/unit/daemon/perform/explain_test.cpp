@@ -137,12 +137,13 @@ TEST_F(ExplainTest, AFrameWithAnotherNumberOfJoints) {
 }
 
 TEST_F(ExplainTest, AnUnknownRestPose) {
-  // Hanging arms in the zero pose of a skeleton whose names are known.
+  // A zero pose whose bones all run sideways: no pose that anybody stands in.
   v1::Body body = rig_.MakeBody();
   body.set_dialect("auto");
-  for (const int arm : {7, 8, 11, 12}) {
-    body.set_offsets(3 * arm + 1, -std::abs(body.offsets(3 * arm)));
-    body.set_offsets(3 * arm, 0);
+  for (int joint = 1; joint < body.names_size(); ++joint) {
+    if (body.offsets(3 * joint + 1) == 0) continue;
+    body.set_offsets(3 * joint, std::abs(body.offsets(3 * joint + 1)));
+    body.set_offsets(3 * joint + 1, 0);
   }
   pipe().Deliver({rig_.Datagram(native::Kind::kBody, body.SerializeAsString())});
   Deliver(rig_.Frame([](v1::SourceFrame& frame) { frame.set_body_crc(0); }));
