@@ -8,14 +8,14 @@
 namespace styled::support {
 namespace {
 
-// The canonical skeleton with hanging arms in its zero pose: not a T-pose if the zero pose is taken
-// for one.
+// The canonical skeleton with hanging arms in its zero pose, of a dialect whose zero pose is a
+// T-pose. ("auto" would bind it as it stands.)
 struct HangingRig {
   Rig rig{"anna"};
   v1::Body body;
 
   HangingRig() : body(rig.MakeBody()) {
-    body.set_dialect("auto");
+    body.set_dialect("canonical");
     for (const int arm : {7, 8, 11, 12}) {  // lower arms and hands
       body.set_offsets(3 * arm + 1, -std::abs(body.offsets(3 * arm)));
       body.set_offsets(3 * arm, 0);

@@ -250,7 +250,9 @@ TEST_F(StylizeFiles, JointsAreNamedByHand) {
   }
   const std::string a = folder_ / "wheel.bvh", out = folder_ / "out.bvh";
   WriteText(a, text);
-  EXPECT_EQ(Stylize("-s bent " + a + " " + out), 1);
+  EXPECT_EQ(Stylize("-s bent " + a + " " + out), 0) << "by the tree: " << output_;
+  fs::remove(out);
+  EXPECT_EQ(Stylize("-s bent --joints leftLowerLeg= " + a + " " + out), 1);
   EXPECT_THAT(output_, HasSubstr("found no joint named like leftLowerLeg"));
   EXPECT_THAT(output_, HasSubstr("its joints: hips, "));
   EXPECT_EQ(Stylize("-s bent --joints leftLowerLeg=wheel " + a + " " + out), 0) << output_;
@@ -258,7 +260,7 @@ TEST_F(StylizeFiles, JointsAreNamedByHand) {
   // Those of an avatar, which may have other names than the input.
   const std::string good = in_ + "/a.bvh",
                     to = " --overwrite --avatar " + a + " " + good + " " + out;
-  EXPECT_EQ(Stylize("-s bent" + to), 1);
+  EXPECT_EQ(Stylize("-s bent --avatar-joints leftLowerLeg=" + to), 1);
   EXPECT_THAT(output_, HasSubstr("--avatar " + a + ": "));
   EXPECT_THAT(output_, HasSubstr("found no joint named like leftLowerLeg"));
   EXPECT_EQ(Stylize("-s bent --avatar-joints leftLowerLeg=wheel" + to), 0) << output_;

@@ -318,7 +318,7 @@ class AddonTest(unittest.TestCase):
         self.tick_until(lambda: self.shown(thing) > 0, 'a frame')
         bpy.ops.styled.record()
         live.link(thing).take.clear()
-        with self.assertRaisesRegex(RuntimeError, 'no frame of rig.sim came'):
+        with self.assertRaisesRegex(RuntimeError, 'no frame of rig.sim arrived'):
             bpy.ops.styled.bake()
         self.assertIsNone(live.link(thing).take)
         self.assertTrue(thing.styled_live.driven)
