@@ -313,8 +313,31 @@ struct Named {
   std::vector<NameReading> names;    // with the sides given by hand
   std::vector<NameReading> by_hand;  // without sides but those
 };
+// A limb numbered throughout (LeftArm, LeftArm1, LeftArm2, ...) has one word for all of its parts,
+// which then says nothing: three and more in a row.
+void ForgetNumbered(const Skeleton& skeleton, std::vector<NameReading>& names) {
+  std::vector<int> run(names.size(), 1);  // joints in a row, up to this one, with its word
+  std::vector<bool> numbered(names.size(), false);
+  for (std::size_t j = 1; j < names.size(); ++j) {
+    const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+    const std::uint16_t words = names[j].words;
+    if (words == 0 || (words & kTrunkParts) != 0 || words != names[parent].words) continue;
+    run[j] = run[parent] + 1;
+    if (run[j] < 3) continue;
+    for (std::size_t up = j; !numbered[up] && names[up].words == words;
+         up = static_cast<std::size_t>(skeleton.parents[up])) {
+      numbered[up] = true;
+      if (skeleton.parents[up] < 0) break;
+    }
+  }
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (numbered[j]) names[j].words = names[j].hints = 0;
+  }
+}
+
 Named ReadAll(const Skeleton& skeleton, const GivenJoints& given) {
   Named named{skeleton, given, MapJointNames(skeleton), ReadNames(skeleton.names), {}};
+  ForgetNumbered(skeleton, named.names);
   named.by_hand = named.names;
   for (NameReading& name : named.by_hand) name.side = 0;
   for (std::size_t c = 0; c < kJointCount; ++c) {

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "tests/unit/rig/random_bodies.h"
@@ -286,6 +287,24 @@ TEST(FindHumanoid, NamesThatContradictTheTreeAreSaid) {
     EXPECT_EQ(found.value().joint[static_cast<std::size_t>(c)], c);
   }
   EXPECT_THAT(found.value().remark, HasSubstr("another part of the body than the tree"));
+}
+
+TEST(FindHumanoid, LimbsNumberedThroughoutAreReadByTheTree) {
+  Skeleton skeleton = HumanoidSkeleton();
+  for (const auto& [first, count, name] : {std::tuple{int{body::kLeftShoulder}, 4, "Arm"},
+                                           std::tuple{int{body::kLeftUpperLeg}, 4, "Leg"}}) {
+    for (int i = 0; i < count; ++i) {
+      const std::string number = i == 0 ? "" : std::to_string(i);
+      skeleton.names[static_cast<std::size_t>(first + i)] = "Left" + std::string(name) + number;
+      skeleton.names[static_cast<std::size_t>(body::MirrorJoint(first + i))] =
+          "Right" + std::string(name) + number;
+    }
+  }
+  const auto found = FindHumanoid(skeleton);
+  ASSERT_TRUE(found.ok()) << found.status().message();
+  for (int c = 0; c < kJointCount; ++c) {
+    EXPECT_EQ(found.value().joint[static_cast<std::size_t>(c)], c);
+  }
 }
 
 TEST(FindHumanoid, SidesThatDisagreeAreSaid) {
