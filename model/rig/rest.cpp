@@ -51,10 +51,10 @@ Vec3 Across(const Standing& pose, body::Joint left, body::Joint right, float lea
   return across.norm() > least ? Vec3(across.normalized()) : Vec3(Vec3::Zero());
 }
 
-// The direction across the shoulders, of collars or else of upper arms: the first that runs beside
-// that of the hips. Collars may begin a millimetre apart on the spine, in any direction.
+// The direction across the shoulders, of collars, otherwise of upper arms: the first that runs
+// beside that of the hips. Collars may begin a millimetre apart on the spine, in any direction.
 Vec3 AcrossChest(const Standing& pose) {
-  constexpr float kLeastCosine = 0.7F;  // 45 degrees: nobody stands more twisted
+  constexpr float kLeastCosine = 0.7F;  // 45 degrees: a trunk that stands is twisted less
   const Vec3 hips = Across(pose, body::kLeftUpperLeg, body::kRightUpperLeg, pose.smallest_bone);
   for (const auto& [left, right] : {std::pair{body::kLeftShoulder, body::kRightShoulder},
                                     std::pair{body::kLeftUpperArm, body::kRightUpperArm}}) {

@@ -47,8 +47,8 @@ struct TreeReading {
   float score = -std::numeric_limits<float>::infinity();
 };
 
-// What of the names counts: all they say; only that a joint is a helper (hair, the end of a bone);
-// nothing but the ends of bones.
+// Which part of the names counts: all they say; only that a joint is a helper (hair, the end of a
+// bone); nothing but the ends of bones.
 enum class NameUse { kAll, kHelpers, kNone };
 
 // The likely readings of a skeleton whose parents precede their children, the best first. Scores

@@ -162,7 +162,7 @@ Status ExplainAvatar(const std::string& file, const rig::JointNames& joints) {
   PrintTree(binding.skeleton(), binding.spec().source_joint);
   PrintAxes(binding);
   std::printf("rest pose: %s\n", avatar.value().dialect == "vrm"
-                                     ? "the file's, a T-pose as VRM has it"
+                                     ? "the file's, VRM's T-pose"
                                      : "from how it stands in the file");
   Picture(body::Pose()).Print();
   return Status::Ok();
@@ -206,7 +206,7 @@ Status Explain(const Arguments& arguments) {
   PrintMap(skeleton, map.joint, "--joints");
   PrintTree(skeleton, map.joint);
   PrintAxes(binding);
-  std::printf("rest pose: %s\n", rest.empty() ? ("the zero pose, as " + dialect + " has it").c_str()
+  std::printf("rest pose: %s\n", rest.empty() ? ("the zero pose, of dialect " + dialect).c_str()
                                               : ("from its " + rest).c_str());
   PrintBones(binding, clip.value().frames);
   body::Pose pose;
