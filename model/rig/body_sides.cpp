@@ -17,7 +17,7 @@ Places::Places(const Skeleton& skeleton, std::span<const RigPose> poses) {
 }
 
 float Places::LeftOf(const TreeReading& reading) const {
-  // Of the thighs. Who stands has knees that are straight, or bent backwards a little: of 20 idle
+  // Of the thighs. Standing knees are straight, or bent backwards a little: of 20 idle
   // clips seven were taken for exchanged sides by knees that were 0.02 off.
   constexpr float kLeastToes = 0.02F, kLeastKnees = 0.15F;
   float sum = 0;

@@ -405,7 +405,7 @@ Result<float> LeadOf(const Skeleton& skeleton, const std::vector<TreeReading>& r
   return std::min(lead, best.head_lead);
 }
 
-// What contradicts the choice; "" if nothing.
+// The contradictions of the choice; "" if nothing contradicts it.
 std::string RemarkOn(const Named& named, const Choice& choice, const Places& places) {
   const Skeleton& skeleton = named.skeleton;
   const TreeReading& best = choice.read.front();
