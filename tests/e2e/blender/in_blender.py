@@ -411,7 +411,7 @@ class AddonTest(unittest.TestCase):
             bpy.ops.styled.restyle()
         self.assertEqual(thing.animation_data.action, action)
         thing.data.bones[mixamo('hips')].name = 'middle'
-        with self.assertRaisesRegex(RuntimeError, 'no humanoid'):
+        with self.assertRaisesRegex(RuntimeError, 'not a humanoid'):
             bpy.ops.styled.restyle()
         thing.animation_data.action = None
         self.assertFalse(bpy.ops.styled.restyle.poll())
