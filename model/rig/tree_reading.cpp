@@ -11,8 +11,10 @@ namespace {
 using body::kJointCount;
 
 // Scores are log-likelihoods up to a constant: of two readings that differ by 1, one is e times as
-// likely. No data set picked the numbers below; 45 naming conventions and random skeletons hold
-// with each of them halved or doubled.
+// likely. The numbers below were set by hand. Each halved or doubled alone, they bind 1,651 to
+// 1,677 of the test's 2,000 random bodies (1,675 as they are), and all of its conventions; silently
+// wrong are then 24 with kHintOfAnother doubled, 4 with kSkipped, 2 with kConvention, none
+// otherwise.
 constexpr float kWord = 1.5F;            // the name is a word for the part
 constexpr float kWordOfTwo = 1.0F;       // one that other tools use for another part: "hip", "leg"
 constexpr float kConvention = 0.5F;      // a known convention has the name for the part
