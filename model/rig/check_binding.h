@@ -17,8 +17,9 @@ namespace styled::rig {
 // left out. Allocates; any thread. Pinned by tests/unit/rig/check_binding_test.cpp.
 std::vector<BoneAngle> CompareBones(const Binding& binding, std::span<const RigPose> poses);
 
-// The largest mean angle of a bone that is taken for a difference between bodies. On 90 clips of 12
-// rigs the worst is 21 degrees; a trunk that collars turned is 90 off.
+// The largest mean angle of a bone that is taken for a difference between bodies. Of 477 clips of
+// 12 rigs the worst bone is 11 degrees off in the median and 29 at most, but for two clips that
+// only crawl (41, a foot, whose T-pose is guessed); a trunk that collars turned is 90 off.
 inline constexpr float kUsualBone_deg = 30;
 
 // A sentence about the worst bone beyond kUsualBone_deg; "" if all are usual.

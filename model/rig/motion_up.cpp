@@ -10,7 +10,7 @@ namespace {
 // Of the poses that must stand along another axis than the zero pose: in a clip of a performer who
 // walks and lies down for a while, fewer lie. No measurement picked the shares.
 constexpr float kMost = 0.8F, kFew = 0.3F;
-constexpr float kAlong = 0.8F;  // the cosine of 37 degrees: a trunk bows by as much in a walk
+constexpr float kAlong = 0.8F;  // a cosine: 37 degrees
 
 }  // namespace
 
