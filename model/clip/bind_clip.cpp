@@ -289,7 +289,7 @@ Status Check(const std::vector<RigPose>& frames, const std::optional<Vec3>& want
     if (stands) bound.binding = std::move(turned.value());
     if (!wanted) {
       say("the zero pose stands along " + AxisText(was) + ", the frames along " + AxisText(*up) +
-          (stands ? ", which is taken for up; a performer who lies: --up " + AxisWord(was)
+          (stands ? ", which is taken for up; if they lie: --up " + AxisWord(was)
                   : ", but not above a floor there, so that they lie; if they stand: --up " +
                         AxisWord(*up)));
     }

@@ -34,7 +34,8 @@ struct HumanoidMap {
 //
 // Errors: those of `given` (MapJoints), and a doubt: a second reading as good as the first, or
 // sides that nothing tells. Such an error names the joints and says how to give them. At most 1,024
-// joints are read as a tree. Time grows with joints x depth: 1 ms for 60 joints.
+// joints are read as a tree. 0.2 ms
+// for 21 joints, 20 ms for 256 of the worst trees that were tried.
 // Allocates; any thread. Pinned by tests/unit/rig/find_humanoid_test.cpp.
 Result<HumanoidMap> FindHumanoid(const Skeleton& skeleton, const JointNames& given = {},
                                  std::span<const RigPose> poses = {});

@@ -14,8 +14,8 @@ namespace styled::rig {
 Vec3 UpOf(const Binding& binding);
 
 // The source axis along which trunk and legs stand in most of `poses`, if it is not UpOf(binding);
-// nothing if they stand along that, or along no axis. A performer who lies along an axis in most
-// poses has it, too: StandsOnFloor tells.
+// nothing if they stand along that, or along no axis. Poses that lie along an axis have it, too:
+// StandsOnFloor tells.
 std::optional<Vec3> UpOfMotion(const Binding& binding, std::span<const RigPose> poses);
 
 // Whether the hips are as far above the origin, along the up axis, as those of a body that stands,

@@ -220,8 +220,8 @@ TEST(BindClip, AMotionWithAnotherUpAxisThanItsZeroPoseStandsUpright) {
   ASSERT_TRUE(bound.ok()) << bound.status().message();
   EXPECT_EQ(
       bound.value().remark,
-      "the zero pose stands along +Y, the frames along +Z, which is taken for up; a performer "
-      "who lies: --up y");
+      "the zero pose stands along +Y, the frames along +Z, which is taken for up; if they lie: "
+      "--up y");
   const auto expected = ToCanonical(upright, BindClip(upright).value().binding);
   const auto poses = ToCanonical(clip, bound.value().binding);
   for (std::size_t i = 0; i < poses.size(); ++i) {

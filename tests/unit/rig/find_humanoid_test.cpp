@@ -307,6 +307,26 @@ TEST(FindHumanoid, LimbsNumberedThroughoutAreReadByTheTree) {
   }
 }
 
+// Only the likeliest limbs of a joint are paired.
+TEST(FindHumanoid, ASkirtOfFortyChainsDoesNotHideTheLegs) {
+  Skeleton skeleton = HumanoidSkeleton();
+  for (int chain = 0; chain < 40; ++chain) {
+    int parent = body::kHips;
+    for (int i = 0; i < 4; ++i) {
+      skeleton.names.push_back("Skirt_" + std::to_string(chain) + "_" + std::to_string(i));
+      skeleton.parents.push_back(parent);
+      skeleton.offsets.emplace_back(i == 0 ? 0.005F * static_cast<float>(chain) - 0.1F : 0.0F,
+                                    i == 0 ? 0.0F : -0.15F, 0.1F);
+      parent = skeleton.joint_count() - 1;
+    }
+  }
+  const auto found = FindHumanoid(skeleton);
+  ASSERT_TRUE(found.ok()) << found.status().message();
+  for (int c = 0; c < kJointCount; ++c) {
+    EXPECT_EQ(found.value().joint[static_cast<std::size_t>(c)], c);
+  }
+}
+
 TEST(FindHumanoid, SidesThatDisagreeAreSaid) {
   const auto remark = [](std::initializer_list<int> exchanged) {
     Skeleton skeleton = HumanoidSkeleton();
