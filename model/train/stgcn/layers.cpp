@@ -56,10 +56,11 @@ Graph::Graph(const torch::Device& device, torch::Dtype type) : type(type) {
 }
 
 Tensor Graph::Stretch(int64_t frames) const {
-  const Tensor at = torch::arange(2 * frames).to(torch::kFloat32) *
+  const auto floats = torch::TensorOptions().dtype(torch::kFloat32).device(pool[0].device());
+  const Tensor at = torch::arange(2 * frames, floats) *
                     (static_cast<double>(frames - 1) / static_cast<double>(2 * frames - 1));
-  const Tensor distance = (at.unsqueeze(1) - torch::arange(frames).to(torch::kFloat32)).abs();
-  return (1.0 - distance).clamp_min(0).to(pool[0].device()).to(type);
+  const Tensor distance = (at.unsqueeze(1) - torch::arange(frames, floats)).abs();
+  return (1.0 - distance).clamp_min(0).to(type);
 }
 
 Linear::Linear(Parameters& parameters, const std::string& name, int64_t in, int64_t out)

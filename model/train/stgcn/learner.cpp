@@ -50,27 +50,18 @@ Networks::Networks(const Shape& shape, const torch::Device& device, bool scaled_
       encoder(shape, device, scaled_heads ? kCodeScale : 1.0),
       mapping(shape, device) {}
 
-void Means::Add(const std::string& name, const Tensor& value) {
-  for (Sum& one : sums_) {
-    if (one.name != name) continue;
-    one.sum += value.detach();
-    ++one.count;
-    return;
-  }
-  sums_.push_back({name, value.detach().clone(), 1});
-}
+DiversityWeight::DiversityWeight(double start, double target_cm, const torch::Device& device)
+    : target_cm_(target_cm),
+      weight_(
+          torch::full({}, start, torch::TensorOptions().dtype(torch::kFloat32).device(device))) {}
 
-Figures Means::Pop() {
-  Figures figures;
-  for (const Sum& one : sums_) figures.emplace_back(one.name, one.sum.item<double>() / one.count);
-  sums_.clear();
-  return figures;
-}
-
-void DiversityWeight::Observe(double distance_cm) {
-  if (target_cm_ <= 0) return;
-  const double error = std::clamp((target_cm_ - distance_cm) / target_cm_, -1.0, 1.0);
-  weight_ = std::clamp(weight_ * std::exp(kSteering * error), kLeastWeight, kMostWeight);
+Tensor DiversityWeight::Observe(const Tensor& distance_cm) {
+  const torch::NoGradGuard no_grad;
+  Tensor before = weight_.clone();
+  if (target_cm_ <= 0) return before;
+  const Tensor error = ((target_cm_ - distance_cm.detach()) / target_cm_).clamp(-1.0, 1.0);
+  weight_.mul_((kSteering * error).exp()).clamp_(kLeastWeight, kMostWeight);
+  return before;
 }
 
 Learner::Learner(const Config& config, uint64_t seed, const WindowStore& store,
@@ -99,17 +90,24 @@ Learner::Learner(const Config& config, uint64_t seed, const WindowStore& store,
       encoder_adam_(networks_.encoder.parameters, config.beta1, config.beta2),
       mapping_adam_(networks_.mapping.parameters, config.beta1, config.beta2),
       critic_adam_(critic_.parameters, config.beta1, config.beta2),
-      diversity_{DiversityWeight(config.w_diversity, config.diversity_target_cm),
-                 DiversityWeight(config.w_diversity, config.diversity_target_cm)} {
+      diversity_{DiversityWeight(config.w_diversity, config.diversity_target_cm, device),
+                 DiversityWeight(config.w_diversity, config.diversity_target_cm, device)},
+      records_(device.is_cuda()),
+      batches_(!device.is_cpu(), [this](int64_t iteration) { return MakeBatch(iteration); }) {
   auto from = networks_.parts();
   auto to = average_.parts();
   for (std::size_t i = 0; i < from.size(); ++i) {
     to[i].second->RequireGradient(false);
     to[i].second->flat().copy_(from[i].second->flat());
   }
+  if (!records_) return;
+  UseRecordableStream();
+  means_.KeepSums();
 }
 
-Learner::Batch Learner::NextBatch() {
+// In memory of the CPU; it may run in another thread (OneAhead).
+OneAhead<Learner::Batch>::Made Learner::MakeBatch(int64_t iteration) {
+  const torch::NoGradGuard no_grad;
   const std::vector<Sample> samples = sampler_.Next(config_.batch);
   std::vector<Window> windows;
   for (const auto of :
@@ -124,19 +122,32 @@ Learner::Batch Learner::NextBatch() {
     content.push_back(sample.content);
     paired.push_back(sample.paired ? 1.0F : 0.0F);
   }
-  const std::vector<Tensor> parts = store_.Read(windows).to(device_).chunk(4, 0);
-  Batch batch{.source = parts[0],
-              .same_clip = parts[1],
-              .reference1 = parts[2],
-              .reference2 = parts[3],
-              .domain = Indices(domain, device_),
-              .target = Indices(target, device_),
-              .content = Indices(content, device_),
-              .paired = torch::tensor(paired).to(device_),
-              .wanted = {},
-              .has_wanted = {}};
+  const std::vector<Tensor> parts = store_.Read(windows).chunk(4, 0);
+  Batch batch;
+  batch.source = parts[0];
+  batch.same_clip = parts[1];
+  batch.reference1 = parts[2];
+  batch.reference2 = parts[3];
+  batch.domain = torch::tensor(domain, torch::kInt64);
+  batch.target = torch::tensor(target, torch::kInt64);
+  batch.content = torch::tensor(content, torch::kInt64);
+  batch.paired = torch::tensor(paired);
+  batch.noise = Noise(iteration, 0);
+  batch.other_noise = Noise(iteration, 1);
   if (config_.w_posture > 0) AddWanted(samples, batch);
-  return batch;
+  if (config_.w_read > 0) AddReadShifts(iteration, batch);
+  if (device_.is_cuda()) PinMemory(batch.all());
+  return {std::move(batch), sampler_.Save()};
+}
+
+const Learner::Batch& Learner::NextBatch() {
+  Batch next = batches_.Next(iteration_);
+  if (device_.is_cpu()) {
+    batch_ = std::move(next);
+    return batch_;
+  }
+  CopyToDevice(next.all(), device_, batch_.all());
+  return batch_;
 }
 
 void Learner::AddWanted(const std::vector<Sample>& samples, Batch& batch) const {
@@ -147,16 +158,30 @@ void Learner::AddWanted(const std::vector<Sample>& samples, Batch& batch) const 
     has_wanted.push_back(postures_.Wanted(sample, shift) ? 1.0F : 0.0F);
     shifts.push_back(shift);
   }
-  batch.wanted = batch.source.mean(1) + torch::stack(shifts).to(device_);
-  batch.has_wanted = torch::tensor(has_wanted).to(device_);
+  batch.wanted = batch.source.mean(1) + torch::stack(shifts);
+  batch.has_wanted = torch::tensor(has_wanted);
+}
+
+// Half of the sources are shifted differently from what is wanted, so that their own posture does
+// not reveal it.
+void Learner::AddReadShifts(int64_t iteration, Batch& batch) const {
+  // Seeded by the iteration, so that a resumed run draws the same.
+  std::mt19937_64 random(seed_ * 1000003 + static_cast<uint64_t>(iteration));
+  std::vector<Tensor> wanted, source;
+  for (int i = 0; i < config_.batch; ++i) {
+    wanted.push_back(postures_.Draw(random));
+    source.push_back(i % 2 == 0 ? postures_.Draw(random) : torch::zeros_like(wanted.back()));
+  }
+  batch.read_wanted = torch::stack(wanted).unsqueeze(1);
+  batch.read_source = torch::stack(source).unsqueeze(1);
 }
 
 // Seeded by the iteration, so that a resumed run draws the same.
-Tensor Learner::Noise(int64_t stream) const {
+Tensor Learner::Noise(int64_t iteration, int64_t stream) const {
   const uint64_t seed =
-      (seed_ * 1000003 + static_cast<uint64_t>(iteration_)) * 2 + static_cast<uint64_t>(stream);
+      (seed_ * 1000003 + static_cast<uint64_t>(iteration)) * 2 + static_cast<uint64_t>(stream);
   const at::Generator random = at::detail::createCPUGenerator(seed);
-  return torch::randn({config_.batch, networks_.generator.shape.noise}, random).to(device_);
+  return torch::randn({config_.batch, networks_.generator.shape.noise}, random);
 }
 
 Tensor Learner::FreeLoss(const Tensor& features, const Tensor& code) const {
@@ -182,9 +207,9 @@ Learner::Made Learner::Make(const Batch& batch, Turn turn) {
     made.target_code = codes.narrow(0, config_.batch, config_.batch);
     other_code = codes.narrow(0, 2 * config_.batch, config_.batch).detach();
   } else {
-    made.target_code = n.mapping(Noise(0), batch.target);
+    made.target_code = n.mapping(batch.noise, batch.target);
     const torch::NoGradGuard no_grad;
-    other_code = n.mapping(Noise(1), batch.target);
+    other_code = n.mapping(batch.other_noise, batch.target);
   }
   // The content is encoded once for all codes.
   const Tensor content = n.generator.Encode(graph_, batch.source);
@@ -202,49 +227,83 @@ void Learner::StepAdam(Parameters& parameters, AdamWithDecay& adam, double rate)
   adam.Step(parameters, rate, config_.weight_decay);
 }
 
-void Learner::StepWarmUp(const Batch& batch) {
-  Networks& n = networks_;
-  const Tensor own = config_.same_clip ? batch.same_clip : batch.source;
-  const Tensor features = n.encoder.Features(graph_, own);
-  const Tensor code = n.encoder.Code(features, batch.domain);
-  const Tensor decoded = n.generator.Decode(graph_, n.generator.Encode(graph_, batch.source), code);
-  const Tensor identity = JointNorm(decoded - batch.source);
-  const Tensor fk = (decoded - kinematics_.Published(decoded)).abs().mean();
-  n.generator.parameters.ZeroGradient();
-  n.encoder.parameters.ZeroGradient();
-  Tensor loss = identity + config_.w_fk * fk + config_.w_free * FreeLoss(features, code);
-  if (config_.w_read > 0) loss = loss + ReadPosture(batch);
-  loss.backward();
-  StepAdam(n.generator.parameters, generator_adam_, config_.warm_up_rate);
-  StepAdam(n.encoder.parameters, encoder_adam_, config_.warm_up_rate);
-  means_.Add("identity", identity);
+void Learner::Run(RecordedWork& recorded, const std::function<void()>& work) {
+  if (records_) {
+    recorded.Run(means_, work);
+  } else {
+    work();
+  }
 }
 
+void Learner::StepWarmUp(const Batch& batch) {
+  Networks& n = networks_;
+  Run(warm_up_, [&] {
+    const Tensor own = config_.same_clip ? batch.same_clip : batch.source;
+    const Tensor features = n.encoder.Features(graph_, own);
+    const Tensor code = n.encoder.Code(features, batch.domain);
+    const Tensor decoded =
+        n.generator.Decode(graph_, n.generator.Encode(graph_, batch.source), code);
+    const Tensor identity = JointNorm(decoded - batch.source);
+    const Tensor fk = (decoded - kinematics_.Published(decoded)).abs().mean();
+    n.generator.parameters.ZeroGradient();
+    n.encoder.parameters.ZeroGradient();
+    Tensor loss = identity + config_.w_fk * fk + config_.w_free * FreeLoss(features, code);
+    if (config_.w_read > 0) loss = loss + ReadPosture(batch);
+    loss.backward();
+    means_.Add("identity", identity);
+  });
+  StepAdam(n.generator.parameters, generator_adam_, config_.warm_up_rate);
+  StepAdam(n.encoder.parameters, encoder_adam_, config_.warm_up_rate);
+}
+
+bool Learner::Penalized() const {
+  return config_.w_penalty > 0 && iteration_ % config_.penalty_every == 0;
+}
+
+// The critic and the generator's losses see one output.
 void Learner::StepTurn(const Batch& batch, Turn turn, double decay) {
-  const Made made = Make(batch, turn);
-  StepCritic(batch, made.fake, decay);
-  StepGenerator(batch, made, turn, decay);
+  RecordedTurn& t = turns_[static_cast<std::size_t>(turn)][Penalized() ? 1 : 0];
+  Run(t.critic, [&] {
+    t.made = Make(batch, turn);
+    TeachCritic(batch, t.made.fake);
+  });
+  StepCritic(decay);
+  Run(t.generator, [&] { TeachGenerator(batch, t.made, turn); });
+  StepGenerator(turn, decay);
+  if (!records_) t.made = {};  // a recording reads it again
+}
+
+// As in the authors' code: first the critic on both.
+void Learner::StepBothTurns(const Batch& batch, double decay) {
+  const auto recorded = [this](Turn turn) -> RecordedTurn& {
+    return turns_[static_cast<std::size_t>(turn)][Penalized() ? 1 : 0];
+  };
+  for (const Turn turn : {Turn::kNoise, Turn::kReferences}) {
+    Run(recorded(turn).critic, [&] {
+      const Tensor fake = [&] {
+        const torch::NoGradGuard no_grad;
+        return Make(batch, turn).fake;
+      }();
+      TeachCritic(batch, fake);
+    });
+    StepCritic(decay);
+  }
+  for (const Turn turn : {Turn::kNoise, Turn::kReferences}) {
+    Run(recorded(turn).generator, [&] { TeachGenerator(batch, Make(batch, turn), turn); });
+    StepGenerator(turn, decay);
+  }
 }
 
 void Learner::Step(double progress) {
-  const Batch batch = NextBatch();
+  const Batch& batch = NextBatch();
   const double left = 1.0 - std::clamp(progress, 0.0, 1.0);
   const double decay = config_.decay_to + (1.0 - config_.decay_to) * left * left;
   if (iteration_ < config_.warm_up) {
     StepWarmUp(batch);
   } else if (!config_.both_turns) {
     StepTurn(batch, iteration_ % 2 == 0 ? Turn::kNoise : Turn::kReferences, decay);
-  } else {  // as in the authors' code: first the critic on both
-    for (const Turn turn : {Turn::kNoise, Turn::kReferences}) {
-      const Tensor fake = [&] {
-        const torch::NoGradGuard no_grad;
-        return Make(batch, turn).fake;
-      }();
-      StepCritic(batch, fake, decay);
-    }
-    for (const Turn turn : {Turn::kNoise, Turn::kReferences}) {
-      StepGenerator(batch, Make(batch, turn), turn, decay);
-    }
+  } else {
+    StepBothTurns(batch, decay);
   }
   ++iteration_;
   UpdateAverage();

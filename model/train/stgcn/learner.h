@@ -3,6 +3,7 @@
 #include <torch/torch.h>
 
 #include <array>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +11,10 @@
 #include "model/base/status.h"
 #include "model/train/adam.h"
 #include "model/train/checkpoint.h"
+#include "model/train/means.h"
+#include "model/train/one_ahead.h"
 #include "model/train/recipe.h"
+#include "model/train/recorded_work.h"
 #include "model/train/stgcn/adam_with_decay.h"
 #include "model/train/stgcn/config.h"
 #include "model/train/stgcn/kinematics.h"
@@ -44,33 +48,19 @@ struct Networks {
 // as fast on others. `precision`: of Config.
 torch::Dtype TypeOf(const std::string& precision, const torch::Device& device);
 
-// Means of losses, each over the iterations that had it. Kept on the device, so that the log is
-// the only place that waits for it.
-class Means {
- public:
-  void Add(const std::string& name, const torch::Tensor& value);
-  Figures Pop();  // in the order of the first Add; restarts
-
- private:
-  struct Sum {
-    std::string name;
-    torch::Tensor sum;
-    int count;
-  };
-  std::vector<Sum> sums_;
-};
-
 // Steers the weight of the diversity loss, which is constant in the paper, to a variety of outputs:
 // with a constant weight variety falls while the networks learn.
 class DiversityWeight {
  public:
-  DiversityWeight(double start, double target_cm) : target_cm_(target_cm), weight_(start) {}
-  void Observe(double distance_cm);
-  double weight() const { return weight_; }
-  void Set(double weight) { weight_ = weight; }
+  DiversityWeight(double start, double target_cm, const torch::Device& device);
+  // The weight until now; then it follows the distance of two outputs. Scalars on the device.
+  torch::Tensor Observe(const torch::Tensor& distance_cm);
+  const torch::Tensor& weight() const { return weight_; }
+  void Set(double weight) { weight_.fill_(weight); }
 
  private:
-  double target_cm_, weight_;
+  double target_cm_;
+  torch::Tensor weight_;
 };
 
 // The source of the codes of a generator's step.
@@ -110,8 +100,17 @@ class Learner {
     torch::Tensor source, same_clip, reference1, reference2;  // [B, 64, 21, 7]
     torch::Tensor domain, target, content;                    // [B]
     torch::Tensor paired;                                     // [B]: 1 where the critic compares
+    torch::Tensor noise, other_noise;                         // [B, noise]
     // With w_posture: the target mean of the output, [B, 21, 7]; [B]: 1 if there is one.
     torch::Tensor wanted, has_wanted;
+    // With w_read: the shifts of ReadPosture, [B, 1, 21, 7].
+    torch::Tensor read_wanted, read_source;
+
+    std::array<torch::Tensor*, 14> all() {
+      return {&source, &same_clip,  &reference1,  &reference2, &domain,
+              &target, &content,    &paired,      &noise,      &other_noise,
+              &wanted, &has_wanted, &read_wanted, &read_source};
+    }
   };
   // The result of a turn for a batch.
   struct Made {
@@ -121,15 +120,29 @@ class Learner {
     torch::Tensor free_loss;
   };
 
-  Batch NextBatch();
+  // The recordings of a turn, and what the first part leaves to the second.
+  struct RecordedTurn {
+    RecordedWork critic, generator;
+    Made made;
+  };
+
+  OneAhead<Batch>::Made MakeBatch(int64_t iteration);
+  const Batch& NextBatch();
   void AddWanted(const std::vector<Sample>& samples, Batch& batch) const;
-  torch::Tensor Noise(int64_t stream) const;
+  void AddReadShifts(int64_t iteration, Batch& batch) const;
+  torch::Tensor Noise(int64_t iteration, int64_t stream) const;
   Made Make(const Batch& batch, Turn turn);
+  bool Penalized() const;
+  void Run(RecordedWork& recorded, const std::function<void()>& work);
   void StepTurn(const Batch& batch, Turn turn, double decay);
+  void StepBothTurns(const Batch& batch, double decay);
   void StepWarmUp(const Batch& batch);
-  void StepCritic(const Batch& batch, const torch::Tensor& fake, double decay);
-  void StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay);
-  // losses.cpp, with StepCritic and StepGenerator
+  // The gradients; then a step along them.
+  void TeachCritic(const Batch& batch, const torch::Tensor& fake);
+  void StepCritic(double decay);
+  void TeachGenerator(const Batch& batch, const Made& made, Turn turn);
+  void StepGenerator(Turn turn, double decay);
+  // losses.cpp, with the four before
   torch::Tensor Losses(const Batch& batch, const Made& made, Turn turn);
   torch::Tensor BodyLosses(const Batch& batch, const Made& made);
   torch::Tensor Posture(const Batch& batch, const Made& made);
@@ -153,6 +166,12 @@ class Learner {
   std::array<DiversityWeight, 2> diversity_;  // by Turn
   int64_t iteration_ = 0;
   Means means_;
+  const bool records_;  // whether iterations are recorded and launched as a whole
+  RecordedWork warm_up_;
+  std::array<std::array<RecordedTurn, 2>, 2>
+      turns_;                // by Turn, and whether the critic is penalized
+  Batch batch_;              // on the device
+  OneAhead<Batch> batches_;  // destroyed first: it uses the others
 };
 
 }  // namespace styled::train::st_gcn

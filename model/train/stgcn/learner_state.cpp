@@ -29,9 +29,9 @@ void Learner::Save(Checkpoint& checkpoint) const {
   SaveAdam("encoder", encoder_adam_, checkpoint);
   SaveAdam("mapping", mapping_adam_, checkpoint);
   SaveAdam("critic", critic_adam_, checkpoint);
-  t["diversity"] = torch::tensor({diversity_[0].weight(), diversity_[1].weight()}, torch::kFloat64);
+  t["diversity"] = torch::stack({diversity_[0].weight(), diversity_[1].weight()});
   t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
-  checkpoint.strings["sampler"] = sampler_.Save();
+  checkpoint.strings["sampler"] = batches_.sampler().empty() ? sampler_.Save() : batches_.sampler();
 }
 
 Status Learner::Restore(const Checkpoint& checkpoint) {

@@ -31,11 +31,10 @@ Tensor MeanDistance(const Tensor& a, const Tensor& b) {
 }
 
 // softplus(-logit) is the cross entropy of "real", softplus(logit) that of "made".
-void Learner::StepCritic(const Batch& batch, const Tensor& fake, double decay) {
+void Learner::TeachCritic(const Batch& batch, const Tensor& fake) {
   critic_.parameters.RequireGradient(true);
-  const bool penalized = config_.w_penalty > 0 && iteration_ % config_.penalty_every == 0;
   Tensor real_logit, fake_logit, loss;
-  if (penalized) {
+  if (Penalized()) {
     const Tensor real = batch.source.detach().clone().requires_grad_(true);
     real_logit = critic_(graph_, real, batch.domain, batch.content);
     fake_logit = critic_(graph_, fake.detach(), batch.target, batch.content);
@@ -55,6 +54,9 @@ void Learner::StepCritic(const Batch& batch, const Tensor& fake, double decay) {
   means_.Add("critic", judgement);
   critic_.parameters.ZeroGradient();
   (loss + judgement).backward();
+}
+
+void Learner::StepCritic(double decay) {
   StepAdam(critic_.parameters, critic_adam_, config_.critic_rate * decay);
 }
 
@@ -89,22 +91,12 @@ Tensor Learner::Posture(const Batch& batch, const Made& made) {
 }
 
 // The head without a label: a window of the source's clip is shifted as a whole, rotations first,
-// so that it shows a new posture; the source should be decoded in that posture. Half of the sources
-// are shifted differently, so that their own posture does not reveal the target.
+// so that it shows a new posture; the source, shifted by other rotations, should be decoded in that
+// posture.
 Tensor Learner::ReadPosture(const Batch& batch) {
-  // Seeded by the iteration, so that a resumed run draws the same.
-  std::mt19937_64 random(seed_ * 1000003 + static_cast<uint64_t>(iteration_));
-  std::vector<Tensor> wanted_shifts, source_shifts;
-  for (int i = 0; i < config_.batch; ++i) {
-    wanted_shifts.push_back(postures_.Draw(random));
-    source_shifts.push_back(i % 2 == 0 ? postures_.Draw(random)
-                                       : torch::zeros_like(wanted_shifts.back()));
-  }
-  const Tensor wanted_shift = torch::stack(wanted_shifts).to(device_).unsqueeze(1);
-  const Tensor source_shift = torch::stack(source_shifts).to(device_).unsqueeze(1);
-  const Tensor example = kinematics_.Published(batch.same_clip + wanted_shift);
-  const Tensor wanted = kinematics_.Published(batch.source + wanted_shift);
-  const Tensor source = kinematics_.Published(batch.source + source_shift);
+  const Tensor example = kinematics_.Published(batch.same_clip + batch.read_wanted);
+  const Tensor wanted = kinematics_.Published(batch.source + batch.read_wanted);
+  const Tensor source = kinematics_.Published(batch.source + batch.read_source);
   const Networks& n = networks_;
   const Tensor code = n.encoder.FreeCode(n.encoder.Features(graph_, example));
   const Tensor decoded = n.generator.Decode(graph_, n.generator.Encode(graph_, source), code);
@@ -115,13 +107,11 @@ Tensor Learner::ReadPosture(const Batch& batch) {
 
 // The weighted diversity of the two outputs; then its weight follows their distance.
 Tensor Learner::Diversity(const Made& made, Turn turn, const std::string& suffix) {
-  DiversityWeight& steered = diversity_[static_cast<std::size_t>(turn)];
-  const double weight = steered.weight();
   const Tensor apart_cm = kCmPerM * MeanDistance(kinematics_.Positions_m(made.fake.detach()),
                                                  kinematics_.Positions_m(made.other_fake));
+  const Tensor weight = diversity_[static_cast<std::size_t>(turn)].Observe(apart_cm);
   means_.Add("apart_cm" + suffix, apart_cm);
-  means_.Add("w_diversity" + suffix, torch::tensor(weight, torch::kFloat64));
-  steered.Observe(apart_cm.item<double>());
+  means_.Add("w_diversity" + suffix, weight);
   return weight * (made.fake - made.other_fake).abs().mean();
 }
 
@@ -153,12 +143,15 @@ Tensor Learner::Losses(const Batch& batch, const Made& made, Turn turn) {
   return loss;
 }
 
-void Learner::StepGenerator(const Batch& batch, const Made& made, Turn turn, double decay) {
-  Networks& n = networks_;
+void Learner::TeachGenerator(const Batch& batch, const Made& made, Turn turn) {
   critic_.parameters.RequireGradient(false);
   const Tensor loss = Losses(batch, made, turn);
-  for (const auto& [name, parameters] : n.parts()) parameters->ZeroGradient();
+  for (const auto& [name, parameters] : networks_.parts()) parameters->ZeroGradient();
   loss.backward();
+}
+
+void Learner::StepGenerator(Turn turn, double decay) {
+  Networks& n = networks_;
   StepAdam(n.generator.parameters, generator_adam_, config_.generator_rate * decay);
   if (turn == Turn::kNoise) {
     StepAdam(n.mapping.parameters, mapping_adam_, config_.mapping_rate * decay);

@@ -70,7 +70,7 @@ class Learner {
   const Student& student() const { return student_; }
   const Student& average() const { return average_; }  // running mean of the weights
   const Graph& graph() const { return exact_graph_; }  // float32
-  st_gcn::Means& means() { return means_; }
+  Means& means() { return means_; }
   bool HasAllStyles() const { return sampler_.HasAll(); }
 
  private:
@@ -100,7 +100,7 @@ class Learner {
   Student student_, average_;
   st_gcn::AdamWithDecay adam_;
   int64_t iteration_ = 0;
-  st_gcn::Means means_;
+  Means means_;
 };
 
 }  // namespace styled::train::st_gcn_causal

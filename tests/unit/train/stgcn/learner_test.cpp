@@ -162,40 +162,42 @@ TEST_F(LearnerTest, TheHipsOfEveryOutputStandStill) {
   EXPECT_GT(out.select(2, 0).select(2, 1).abs().max().item<double>(), 0);
 }
 
+// A steered weight on the CPU, of distances in cm.
+struct Steered {
+  DiversityWeight weight;
+  Steered(double start, double target_cm) : weight(start, target_cm, torch::kCPU) {}
+  double Observe(double distance_cm) {
+    return weight.Observe(torch::tensor(distance_cm, torch::kFloat32)).item<double>();
+  }
+  double Now() const { return weight.weight().item<double>(); }
+};
+
 TEST(DiversityWeightTest, RisesWhereVarietyLacksAndFallsWhereItAbounds) {
-  DiversityWeight low(1, 3), high(1, 3), right(1, 3), constant(1, 0);
+  Steered low(1, 3), high(1, 3), right(1, 3), constant(1, 0);
+  EXPECT_EQ(low.Observe(0), 1) << "the weight before";
+  for (int i = 0; i < 299; ++i) low.Observe(0);
   for (int i = 0; i < 300; ++i) {
-    low.Observe(0);
     high.Observe(6);
     right.Observe(3);
     constant.Observe(0);
   }
-  EXPECT_NEAR(low.weight(), 3.32, 0.01) << "exp(300 * 0.004)";
-  EXPECT_NEAR(high.weight(), 0.301, 0.001);
-  EXPECT_EQ(right.weight(), 1);
-  EXPECT_EQ(constant.weight(), 1);
+  EXPECT_NEAR(low.Now(), 3.32, 0.01) << "exp(300 * 0.004)";
+  EXPECT_NEAR(high.Now(), 0.301, 0.001);
+  EXPECT_EQ(right.Now(), 1);
+  EXPECT_EQ(constant.Now(), 1);
   for (int i = 0; i < 3000; ++i) {
     low.Observe(0);
     high.Observe(1e9);
   }
-  EXPECT_EQ(low.weight(), 5);
-  EXPECT_EQ(high.weight(), 0.1);
+  EXPECT_EQ(low.Now(), 5);
+  EXPECT_FLOAT_EQ(static_cast<float>(high.Now()), 0.1F);
 }
 
 // A plant whose variety is a multiple of the weight comes to rest at the target.
 TEST(DiversityWeightTest, SteersToItsTarget) {
-  DiversityWeight weight(1, 3);
-  for (int i = 0; i < 5000; ++i) weight.Observe(1.4 * weight.weight());
-  EXPECT_NEAR(1.4 * weight.weight(), 3, 0.01);
-}
-
-TEST(MeansTest, AreOverTheIterationsThatHadThem) {
-  Means means;
-  means.Add("often", torch::tensor(1.0F));
-  means.Add("once", torch::tensor(8.0F));
-  means.Add("often", torch::tensor(2.0F));
-  EXPECT_EQ(means.Pop(), (Figures{{"often", 1.5}, {"once", 8}}));
-  EXPECT_TRUE(means.Pop().empty());
+  Steered steered(1, 3);
+  for (int i = 0; i < 5000; ++i) steered.Observe(1.4 * steered.Now());
+  EXPECT_NEAR(1.4 * steered.Now(), 3, 0.01);
 }
 
 }  // namespace
