@@ -16,14 +16,18 @@ Tensor Rotate(const Tensor& q, const Tensor& v) {
   return v + q.narrow(-1, 3, 1) * twice + torch::cross(u, twice, -1);
 }
 
-// The humanoid's joints by depth, so that a whole level is computed at once. Order of results:
-// `order` lists joints level by level, `inverse` undoes it.
+// The humanoid's joints by depth, so that a whole level is computed at once. Order of results: the
+// joints level by level, which `inverse` undoes.
 struct Levels {
-  std::vector<std::vector<int64_t>> joints;   // per level
-  std::vector<std::vector<int64_t>> parents;  // per level, as places within the level above
-  std::vector<int64_t> inverse;
+  struct Level {
+    Tensor joints, parents;  // parents: as places within the level above
+    Tensor offsets_m;        // [joints, 3]
+  };
+  std::vector<Level> levels;
+  Tensor inverse, feet;
 
-  Levels() {
+  explicit Levels(const torch::Device& device) {
+    std::vector<std::vector<int64_t>> joints, parents;
     std::vector<int64_t> depth(body::kJointCount, 0), place(body::kJointCount, 0), order;
     for (int joint = 0; joint < body::kJointCount; ++joint) {
       const int parent = body::kHumanoid[joint].parent;
@@ -37,15 +41,34 @@ struct Levels {
       joints[level].push_back(joint);
       parents[level].push_back(parent < 0 ? 0 : place[parent]);
     }
-    for (const auto& level : joints) order.insert(order.end(), level.begin(), level.end());
-    inverse.resize(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) inverse[order[i]] = static_cast<int64_t>(i);
+    const auto indices = [&device](const std::vector<int64_t>& values) {
+      return torch::tensor(values, torch::kInt64).to(device);
+    };
+    for (std::size_t level = 0; level < joints.size(); ++level) {
+      std::vector<float> offsets;
+      for (const int64_t joint : joints[level]) {
+        const body::JointRow& row = body::kHumanoid[joint];
+        offsets.insert(offsets.end(), {row.x_m, row.y_m, row.z_m});
+        order.push_back(joint);
+      }
+      levels.push_back({indices(joints[level]), indices(parents[level]),
+                        torch::tensor(offsets).view({-1, 3}).to(device)});
+    }
+    std::vector<int64_t> undone(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) undone[order[i]] = static_cast<int64_t>(i);
+    inverse = indices(undone);
+    feet = indices({body::kLeftFoot, body::kLeftToes, body::kRightFoot, body::kRightToes});
+  }
+
+  // Of a device they are made once, so that recorded work finds them where they were. They are
+  // never destroyed: a device's memory must not be freed after libtorch has ended.
+  static const Levels& Of(const torch::Device& device) {
+    static const Levels* const on_cpu = new Levels(torch::kCPU);
+    if (device.is_cpu()) return *on_cpu;
+    static const Levels* const elsewhere = new Levels(device);
+    return *elsewhere;
   }
 };
-
-Tensor Indices(const std::vector<int64_t>& values, const torch::Device& device) {
-  return torch::tensor(values, torch::kInt64).to(device);
-}
 
 }  // namespace
 
@@ -89,31 +112,25 @@ Tensor ToHemisphere(const Tensor& q, const Tensor& reference) {
 }
 
 Tensor HipsRelativePositions(const Tensor& rotations) {
-  static const Levels levels;
-  const torch::Device device = rotations.device();
+  const Levels& all = Levels::Of(rotations.device());
   Tensor world_rotation;  // of the level above
   Tensor position;
-  std::vector<Tensor> all;
-  for (std::size_t level = 0; level < levels.joints.size(); ++level) {
-    const Tensor local = rotations.index_select(-2, Indices(levels.joints[level], device));
-    if (level == 0) {
+  std::vector<Tensor> positions;
+  for (std::size_t i = 0; i < all.levels.size(); ++i) {
+    const Levels::Level& level = all.levels[i];
+    const Tensor local = rotations.index_select(-2, level.joints);
+    if (i == 0) {
       world_rotation = local;
       position = torch::zeros_like(local.narrow(-1, 0, 3));
     } else {
-      std::vector<float> offsets;
-      for (const int64_t joint : levels.joints[level]) {
-        const body::JointRow& row = body::kHumanoid[joint];
-        offsets.insert(offsets.end(), {row.x_m, row.y_m, row.z_m});
-      }
-      const Tensor offset = torch::tensor(offsets).view({-1, 3}).to(device);
-      const Tensor parents = Indices(levels.parents[level], device);
-      const Tensor parent_rotation = world_rotation.index_select(-2, parents);
-      position = position.index_select(-2, parents) + Rotate(parent_rotation, offset);
-      if (level + 1 < levels.joints.size()) world_rotation = Multiply(parent_rotation, local);
+      const Tensor parent_rotation = world_rotation.index_select(-2, level.parents);
+      position =
+          position.index_select(-2, level.parents) + Rotate(parent_rotation, level.offsets_m);
+      if (i + 1 < all.levels.size()) world_rotation = Multiply(parent_rotation, local);
     }
-    all.push_back(position);
+    positions.push_back(position);
   }
-  return torch::cat(all, -2).index_select(-2, Indices(levels.inverse, device));
+  return torch::cat(positions, -2).index_select(-2, all.inverse);
 }
 
 Tensor WorldVelocities(const Tensor& positions, const Tensor& yaw_change_rad,
@@ -133,9 +150,7 @@ Tensor WorldVelocities(const Tensor& positions, const Tensor& yaw_change_rad,
 }
 
 Tensor LowestFoot(const Tensor& positions) {
-  using namespace body;
-  const Tensor feet = Indices({kLeftFoot, kLeftToes, kRightFoot, kRightToes}, positions.device());
-  return positions.select(-1, 1).index_select(-1, feet).amin(-1);
+  return positions.select(-1, 1).index_select(-1, Levels::Of(positions.device()).feet).amin(-1);
 }
 
 }  // namespace styled::train

@@ -157,6 +157,82 @@ class LstmFunction : public torch::autograd::Function<LstmFunction> {
   }
 };
 
+// The same for a CUDA device: two kernels a frame forward and two backward, where op by op there
+// are some twenty. The kernels of a cell are libtorch's own.
+class DeviceLstmFunction : public torch::autograd::Function<DeviceLstmFunction> {
+ public:
+  static torch::autograd::variable_list forward(torch::autograd::AutogradContext* context,
+                                                const Tensor& x, const Tensor& wi, const Tensor& wh,
+                                                const Tensor& b, const Tensor& h0,
+                                                const Tensor& c0) {
+    const Shape s(x);
+    const long rows = s.groups * s.samples;
+    const Tensor in = x.reshape({s.groups, s.frames * s.samples, s.width});
+    const Tensor projected = torch::baddbmm(b.unsqueeze(1), in, wi.transpose(1, 2))
+                                 .view({s.groups, s.frames, s.samples, 4 * s.width})
+                                 .transpose(0, 1)
+                                 .contiguous();  // [T, G, N, 4Z]: a frame is in one piece
+    const Tensor wh_t = wh.transpose(1, 2);
+    std::vector<Tensor> hidden{h0.contiguous()};
+    std::vector<Tensor> saved{c0.reshape({rows, s.width})};  // cells, then workspaces
+    std::vector<Tensor> workspaces;
+    for (long t = 0; t < s.frames; ++t) {
+      const Tensor recurrent = torch::bmm(hidden.back(), wh_t);
+      auto [h, c, workspace] =
+          at::_thnn_fused_lstm_cell(projected[t].view({rows, 4 * s.width}),
+                                    recurrent.view({rows, 4 * s.width}), saved.back());
+      hidden.push_back(h.view({s.groups, s.samples, s.width}));
+      saved.push_back(c);
+      workspaces.push_back(workspace);
+    }
+    const Tensor all = torch::stack(hidden, 1);  // [G, T + 1, N, Z]
+    const Tensor last = saved.back().view({s.groups, s.samples, s.width}).clone();
+    saved.insert(saved.end(), workspaces.begin(), workspaces.end());
+    saved.insert(saved.end(), {in, wi, wh, all});
+    context->save_for_backward(saved);
+    return {all.narrow(1, 1, s.frames).contiguous(), last};
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 const torch::autograd::variable_list& gradients) {
+    const auto saved = context->get_saved_variables();
+    const auto end = saved.end();
+    const Tensor in = *(end - 4), wi = *(end - 3), wh = *(end - 2), all = *(end - 1);
+    const long groups = all.size(0), frames = all.size(1) - 1, n = all.size(2), z = all.size(3);
+    const auto cell = [&saved](long t) { return saved[static_cast<std::size_t>(t)]; };
+    const auto workspace = [&](long t) { return saved[static_cast<std::size_t>(frames + 1 + t)]; };
+    // [T, G, N, Z], to which what comes back through the next frame is added.
+    const Tensor dy = gradients[0].defined()
+                          ? gradients[0].transpose(0, 1).clone(at::MemoryFormat::Contiguous)
+                          : torch::zeros({frames, groups, n, z}, all.options());
+    Tensor dc = gradients[1].defined() ? gradients[1].reshape({groups * n, z})
+                                       : torch::zeros({groups * n, z}, all.options());
+    std::vector<Tensor> gates(static_cast<std::size_t>(frames));
+    Tensor dh0;
+    for (long t = frames - 1; t >= 0; --t) {
+      Tensor dgates;
+      std::tie(dgates, dc, std::ignore) = at::_thnn_fused_lstm_cell_backward_impl(
+          dy[t].view({groups * n, z}), dc, cell(t), cell(t + 1), workspace(t), false);
+      dgates = dgates.view({groups, n, 4 * z});
+      gates[static_cast<std::size_t>(t)] = dgates;
+      if (t > 0) {
+        dy[t - 1].baddbmm_(dgates, wh);
+      } else {
+        dh0 = torch::bmm(dgates, wh);
+      }
+    }
+    const Tensor dgate = torch::stack(gates, 1).view({groups, frames * n, 4 * z});
+    const Tensor dgate_t = dgate.transpose(1, 2);
+    const Tensor before = all.narrow(1, 0, frames).reshape({groups, frames * n, z});
+    return {torch::bmm(dgate, wi).view({groups, frames, n, z}),
+            torch::bmm(dgate_t, in),
+            torch::bmm(dgate_t, before),
+            dgate.sum(1),
+            dh0,
+            dc.view({groups, n, z})};
+  }
+};
+
 }  // namespace
 
 std::pair<Tensor, Tensor> LstmLayerByOps(const Tensor& x, const Tensor& input_weight,
@@ -183,10 +259,12 @@ std::pair<Tensor, Tensor> LstmLayerByOps(const Tensor& x, const Tensor& input_we
 std::pair<Tensor, Tensor> LstmLayer(const Tensor& x, const Tensor& input_weight,
                                     const Tensor& hidden_weight, const Tensor& bias,
                                     const Tensor& h0, const Tensor& c0) {
-  if (!x.device().is_cpu() || x.scalar_type() != torch::kFloat32) {
+  if (x.scalar_type() != torch::kFloat32 || (!x.device().is_cpu() && !x.device().is_cuda())) {
     return LstmLayerByOps(x, input_weight, hidden_weight, bias, h0, c0);
   }
-  const auto out = LstmFunction::apply(x, input_weight, hidden_weight, bias, h0, c0);
+  const auto out = x.device().is_cuda()
+                       ? DeviceLstmFunction::apply(x, input_weight, hidden_weight, bias, h0, c0)
+                       : LstmFunction::apply(x, input_weight, hidden_weight, bias, h0, c0);
   return {out[0], out[1]};
 }
 

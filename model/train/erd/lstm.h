@@ -12,8 +12,9 @@ namespace styled::train::style_erd {
 //
 // On the CPU, forward and backward are written out by hand (lstm.cpp): op by op, the 250 steps of a
 // training iteration cost more in dispatch than in arithmetic. It has no double backward: the
-// gradient penalty passes through the critic only. Elsewhere, op by op. Both are compared in
-// tests/unit/train/lstm_test.cpp.
+// gradient penalty passes through the critic only. On a CUDA device, a cell is one kernel forward
+// and one backward, with the same restriction. Elsewhere, op by op. All are compared in
+// tests/unit/train/lstm_test.cpp, the device's where there is one.
 std::pair<torch::Tensor, torch::Tensor> LstmLayer(const torch::Tensor& x,
                                                   const torch::Tensor& input_weight,
                                                   const torch::Tensor& hidden_weight,

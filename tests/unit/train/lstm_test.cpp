@@ -33,6 +33,33 @@ TEST(Lstm, HandWrittenGradientsAreThoseOfTheOps) {
   }
 }
 
+// The same on a CUDA device, where the cells are libtorch's.
+TEST(Lstm, OnADeviceGradientsAreThoseOfTheOps) {
+  if (!torch::cuda::is_available()) GTEST_SKIP() << "no CUDA device";
+  torch::manual_seed(3);
+  const int64_t groups = 3, frames = 7, samples = 5, width = 32;
+  std::vector<Tensor> inputs{
+      torch::randn({groups, frames, samples, width}), torch::randn({groups, 4 * width, width}),
+      torch::randn({groups, 4 * width, width}),       torch::randn({groups, 4 * width}),
+      torch::randn({groups, samples, width}),         torch::randn({groups, samples, width})};
+  const Tensor weight = torch::randn({groups, frames, samples, width});
+  std::vector<std::vector<Tensor>> results;
+  for (const bool on_device : {true, false}) {
+    const torch::Device device = on_device ? torch::kCUDA : torch::kCPU;
+    std::vector<Tensor> x;
+    for (const Tensor& input : inputs) x.push_back(input.to(device, true).requires_grad_(true));
+    const auto [y, c] = on_device ? LstmLayer(x[0], x[1], x[2], x[3], x[4], x[5])
+                                  : LstmLayerByOps(x[0], x[1], x[2], x[3], x[4], x[5]);
+    ((y * weight.to(device)).sum() + c.sum()).backward();
+    std::vector<Tensor> result{y.detach().cpu(), c.detach().cpu()};
+    for (const Tensor& input : x) result.push_back(input.grad().cpu());
+    results.push_back(result);
+  }
+  for (std::size_t i = 0; i < results[0].size(); ++i) {
+    EXPECT_TRUE(torch::allclose(results[0][i], results[1][i], 1e-3, 1e-3)) << "result " << i;
+  }
+}
+
 // Two windows with carried states are one long window.
 TEST(Lstm, CarriedStatesContinueTheWindow) {
   torch::manual_seed(4);
