@@ -39,7 +39,10 @@ Sampler::Sampler(const std::vector<TrainingClip>& clips, const Options& options)
     : clips_(clips), options_(options), random_(options.seed), cells_(options.styles) {
   FindPlaces();
   if (options.idle > 0) FindIdleFrames();
-  last_.resize(static_cast<std::size_t>(2) * options.per_style * (options.styles - 1));
+  if (options.pairs > 0) FindPairs();
+  last_.resize(options.pairs > 0
+                   ? static_cast<std::size_t>(2) * options.pairs
+                   : static_cast<std::size_t>(2) * options.per_style * (options.styles - 1));
 }
 
 void Sampler::FindPlaces() {
@@ -71,6 +74,37 @@ void Sampler::FindPlaces() {
     for (std::size_t i = 0; i < cells_[0].size(); ++i) {
       if (Has(style, cells_[0][i].content)) paired_[style].push_back(static_cast<int>(i));
     }
+  }
+}
+
+void Sampler::FindPairs() {
+  neutral_.resize(options_.contents);
+  for (int style = 0; style < options_.styles; ++style) {
+    for (const Cell& cell : cells_[style]) {
+      std::vector<Window>& to = style == 0 ? neutral_[cell.content] : styled_;
+      if (style > 0 && neutral_[cell.content].empty()) continue;
+      for (const auto& places : cell.places) {
+        for (const auto& [clip, start] : places) {
+          Window window;
+          window.style = style;
+          window.clip = clip;
+          window.start = start;
+          window.content = cell.content;
+          to.push_back(window);
+        }
+      }
+    }
+  }
+  if (styled_.empty()) throw std::runtime_error("no content has both neutral and styled windows");
+}
+
+void Sampler::NextPairs() {
+  for (std::size_t i = 0; i < last_.size(); i += 2) {
+    Window& styled = last_[i + 1];
+    styled = styled_[Below(static_cast<int64_t>(styled_.size()))];
+    const std::vector<Window>& neutral = neutral_[styled.content];
+    last_[i] = neutral[Below(static_cast<int64_t>(neutral.size()))];
+    last_[i].target = styled.style;
   }
 }
 
@@ -173,6 +207,10 @@ Sampler::Window Sampler::NextFor(int slot, bool carried) {
 }
 
 const std::vector<Sampler::Window>& Sampler::Next() {
+  if (options_.pairs > 0) {
+    NextPairs();
+    return last_;
+  }
   for (int slot = 0; slot < slots(); ++slot) {
     if (NextIdle(slot)) continue;
     const bool carried = last_[slot].clip >= 0 && Uniform() < options_.carry;
@@ -180,6 +218,10 @@ const std::vector<Sampler::Window>& Sampler::Next() {
     window.carried = carried;
     window.paired = Has(TargetStyle(slot), window.content);
     last_[slot] = window;
+  }
+  for (int slot = 0; slot < slots(); ++slot) {
+    last_[slot].style = InputStyle(slot);
+    last_[slot].target = TargetStyle(slot);
   }
   return last_;
 }

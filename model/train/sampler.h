@@ -28,9 +28,13 @@ class Sampler {
     double unpaired = 0.1;
     double miscalibrated = 0.0;  // share of windows with the input of a badly calibrated rig
     double idle = 0.0;           // share of neutral windows that are idle
+    // Above 0: a batch is so many pairs of a styled window, drawn evenly from all, and a neutral
+    // one of its content, each the other's target; per_style and the shares above do not apply.
+    int pairs = 0;
     uint64_t seed = 1;
   };
   struct Window {
+    int style = 0, target = 0;  // one of the two is neutral, 0
     int clip = -1;
     int start = 0;
     bool mirrored = false;
@@ -47,6 +51,7 @@ class Sampler {
 
   const Options& options() const { return options_; }
   int slots() const { return static_cast<int>(last_.size()); }
+  // Without pairs, a slot's windows are always of these.
   int InputStyle(int slot) const;
   int TargetStyle(int slot) const;
 
@@ -81,13 +86,19 @@ class Sampler {
   bool Has(int style, int content) const;
   Window DrawFrom(const Cell& cell);
   void FindPlaces();
+  void FindPairs();
+  void NextPairs();
   void FindIdleFrames();
 
   const std::vector<TrainingClip>& clips_;
   Options options_;
   std::mt19937_64 random_;
-  std::vector<std::vector<Cell>> cells_;   // per style, the contents that it has
-  std::vector<std::vector<int>> paired_;   // per target style, indices into cells_[0]
+  std::vector<std::vector<Cell>> cells_;  // per style, the contents that it has
+  std::vector<std::vector<int>> paired_;  // per target style, indices into cells_[0]
+  // With pairs: the styled windows that have a neutral one of their content; the neutral windows of
+  // each content.
+  std::vector<Window> styled_;
+  std::vector<std::vector<Window>> neutral_;
   std::vector<std::pair<int, int>> idle_;  // neutral clips, and frames with feet and hands down
   std::vector<Window> last_;
 };

@@ -155,5 +155,49 @@ TEST(Sampler, SaveAndRestoreAreExact) {
   }
 }
 
+// Style 2 was never recorded in content 1, and content 1 of style 1 has twice the windows.
+TEST(Sampler, PairsAreOfOneContentAndEachTheOthersTarget) {
+  std::vector<TrainingClip> clips = Clips();
+  clips.pop_back();
+  clips.push_back(clips[3]);
+  Sampler::Options options = kOptions;
+  options.pairs = 3;
+  Sampler sampler(clips, options);
+  ASSERT_EQ(sampler.slots(), 6);
+  std::array<int, 4> count{};  // by style and content: 1/0, 1/1, 2/0, 2/1
+  for (int i = 0; i < 2000; ++i) {
+    const std::vector<Sampler::Window>& windows = sampler.Next();
+    ASSERT_EQ(windows.size(), 6U);
+    for (std::size_t pair = 0; pair < 6; pair += 2) {
+      const Sampler::Window& neutral = windows[pair];
+      const Sampler::Window& styled = windows[pair + 1];
+      EXPECT_EQ(clips[neutral.clip].style, 0);
+      EXPECT_EQ(neutral.style, 0);
+      EXPECT_EQ(styled.target, 0);
+      EXPECT_EQ(clips[styled.clip].style, styled.style);
+      EXPECT_EQ(neutral.target, styled.style);
+      EXPECT_EQ(neutral.content, styled.content);
+      EXPECT_EQ(clips[styled.clip].content, styled.content);
+      EXPECT_TRUE(neutral.paired && styled.paired && !styled.carried && !neutral.mirrored);
+      ++count[static_cast<std::size_t>(2 * (styled.style - 1) + styled.content)];
+    }
+  }
+  // Windows: 120 - 24 of each clip of style 1, 160 - 24 of style 2.
+  const double all = 96 + 2 * 96 + 136;
+  EXPECT_NEAR(count[0], 6000 * 96 / all, 150);
+  EXPECT_NEAR(count[1], 6000 * 192 / all, 150);
+  EXPECT_NEAR(count[2], 6000 * 136 / all, 150);
+  EXPECT_EQ(count[3], 0);
+
+  Sampler resumed(clips, options);
+  resumed.Restore(sampler.Save());
+  const std::vector<Sampler::Window>& next = sampler.Next();
+  const std::vector<Sampler::Window>& same = resumed.Next();
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    EXPECT_EQ(next[i].clip, same[i].clip);
+    EXPECT_EQ(next[i].start, same[i].start);
+  }
+}
+
 }  // namespace
 }  // namespace styled::train
