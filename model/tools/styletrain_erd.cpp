@@ -31,6 +31,12 @@ CLI::App* AddAddStyle(CLI::App& app, style_erd::Config& config) {
 class StyleErdFlags : public FamilyFlags {
  public:
   explicit StyleErdFlags(CLI::App& app) {
+    app.option_defaults()->group("Schedule");
+    // A callback at once: flags after this one on the command line change its settings.
+    app.add_flag_callback(
+           "--as-in-the-paper", [this] { style_erd::AsInThePaper(config_); },
+           "Settings of Tao et al. 2022; other flags still apply")
+        ->trigger_on_parse();
     AddFlags(app, style_erd::FlagsOf(config_));
     add_style_ = AddAddStyle(app, config_);
   }

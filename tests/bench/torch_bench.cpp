@@ -48,7 +48,6 @@ class TorchRun {
         branch_state_(branch_.Initial(1)),
         neutral_fused_(neutral_),
         branch_fused_(branch_) {
-    input_style_ = torch::zeros({1}, torch::kInt64);
     own_ = torch::zeros({1, generator_.shape.styles});
     own_[0][0] = 1.0;
     target_ = torch::zeros({1, generator_.shape.styles});
@@ -62,7 +61,7 @@ class TorchRun {
     const Tensor x =
         torch::from_blob(const_cast<float*>(frames[0].data()),
                          {static_cast<int64_t>(frames.size()), 1, kFeatureCount}, torch::kFloat32);
-    const Tensor z = generator_.Encode((x - mean_) / deviation_, input_style_);
+    const Tensor z = generator_.Encode((x - mean_) / deviation_, own_, {});
     const Tensor r0 = Run(neutral_, neutral_state_, neutral_fused_, z);
     const Tensor rs = Run(branch_, branch_state_, branch_fused_, z);
     reconstruction = generator_.Decode(r0, own_).rotations;
@@ -128,7 +127,7 @@ class TorchRun {
 
   const train::style_erd::Generator& generator_;
   Recurrent recurrent_;
-  Tensor mean_, deviation_, input_style_, own_, target_;
+  Tensor mean_, deviation_, own_, target_;
   train::style_erd::Stack neutral_, branch_;
   train::style_erd::StackState neutral_state_, branch_state_;
   Fused neutral_fused_, branch_fused_;

@@ -90,7 +90,7 @@ Status RunGenerator(const train::style_erd::LoadedWeights& weights, const Tensor
     alive = wanted;
 
     // 2. z' = r_0(z) + Σ_s α_s r_s(z): every branch runs; those without weight add nothing.
-    const Tensor z = generator.Encode(u.slice(0, begin, end), torch::zeros({1}, torch::kInt64));
+    const Tensor z = generator.Encode(u.slice(0, begin, end), neutral_target, {});
     const Tensor r0 = generator.Neutral(z, r0_state);
     const Tensor residuals = generator.Branches(z.repeat({1, styles - 1, 1}), branch_state);
     const Tensor mixed = r0 + (residuals * alpha.slice(0, 1).view({1, styles - 1, 1})).sum(1, true);

@@ -79,8 +79,11 @@ std::unique_ptr<Generator> WithStyles(const Generator& base, const Generator& fe
     if (name.starts_with("branches.")) {
       set(tensor, 0, -1, own, of_few, -1);
     } else if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      const int64_t plain = own.size(1) - base.shape.styles;
-      set(tensor, 1, plain, own, of_few, plain);
+      const int64_t after = name == "encoder.0.weight" ? base.shape.contents : 0;
+      const int64_t plain = own.size(1) - base.shape.styles - after;
+      set(tensor, 1, plain, own.narrow(1, 0, own.size(1) - after), of_few, plain);
+      tensor.narrow(1, tensor.size(1) - after, after)
+          .copy_(own.narrow(1, own.size(1) - after, after));
     } else {
       tensor.copy_(own);
     }

@@ -29,8 +29,8 @@ BatchMaker::BatchMaker(const std::vector<TrainingClip>& clips, int contents, int
       contents_(contents),
       frames_(frames),
       parameters_(parameters),
-      mean_(mean),
-      deviation_(deviation) {}
+      mean_(mean.cpu()),
+      deviation_(deviation.cpu()) {}
 
 void BatchMaker::Fill(const Sampler::Window& window, int64_t index, Buffers& out) const {
   const int64_t count = out.features.size(1);
@@ -74,23 +74,56 @@ Batch BatchMaker::Make(const std::vector<Sampler::Window>& windows) const {
   Buffers buffers(frames_, count, contents_, miscalibrated);
   for (int64_t i = 0; i < count; ++i) Fill(windows[i], i, buffers);
 
-  const torch::Device device = mean_.device();
   Batch batch;
-  batch.features = buffers.features.to(device);
+  batch.features = buffers.features;
   batch.u = (batch.features - mean_) / deviation_;
-  batch.input = buffers.input.defined() ? (buffers.input.to(device) - mean_) / deviation_ : batch.u;
-  batch.rotations = batch.features.narrow(2, 0, erd::kRotationFeatures)
-                        .reshape({frames_, count, body::kJointCount, 4});
-  batch.positions = batch.features.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
-                        .reshape({frames_, count, body::kJointCount, 3});
-  batch.yaw_change_rad = buffers.yaw.to(device);
-  batch.hips_step_m = buffers.step.to(device);
-  batch.content = buffers.content.to(device);
-  batch.carried = buffers.carried.to(device);
-  batch.idle = buffers.idle.to(device);
-  batch.paired = buffers.paired.to(device);
+  batch.input = buffers.input.defined() ? (buffers.input - mean_) / deviation_ : batch.u;
+  batch.yaw_change_rad = buffers.yaw;
+  batch.hips_step_m = buffers.step;
+  batch.content = buffers.content;
+  batch.carried = buffers.carried;
+  batch.idle = buffers.idle;
+  batch.paired = buffers.paired;
   batch.windows = windows;
   return batch;
+}
+
+Tensor Batch::rotations() const {
+  return features.narrow(2, 0, erd::kRotationFeatures)
+      .view({features.size(0), features.size(1), body::kJointCount, 4});
+}
+
+Tensor Batch::positions() const {
+  return features.narrow(2, erd::kPositionBegin, erd::kPositionFeatures)
+      .view({features.size(0), features.size(1), body::kJointCount, 3});
+}
+
+Slots OrderedSlots(const std::vector<int64_t>& input, const std::vector<int64_t>& target,
+                   int64_t styles) {
+  Slots slots;
+  slots.input = torch::tensor(input, torch::kInt64);
+  slots.target = torch::tensor(target, torch::kInt64);
+  slots.input_one_hot = torch::one_hot(slots.input, styles).to(torch::kFloat32);
+  slots.target_one_hot = torch::one_hot(slots.target, styles).to(torch::kFloat32);
+  slots.styled = (slots.input > 0).to(torch::kFloat32).view({1, -1, 1});
+  return slots;
+}
+
+Slots PlacedSlots(const std::vector<int64_t>& input, const std::vector<int64_t>& target,
+                  int64_t styles) {
+  Slots slots = OrderedSlots(input, target, styles);
+  const std::size_t count = input.size();
+  std::vector<int64_t> window((static_cast<std::size_t>(styles) - 1) * count, 0), place(count);
+  std::vector<std::size_t> taken(static_cast<std::size_t>(styles), 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    // One of the two is neutral, number 0.
+    const auto branch = static_cast<std::size_t>(input[i] + target[i] - 1);
+    place[i] = static_cast<int64_t>(branch * count + taken[branch]++);
+    window[static_cast<std::size_t>(place[i])] = static_cast<int64_t>(i);
+  }
+  slots.window_of_place = torch::tensor(window, torch::kInt64);
+  slots.place_of_window = torch::tensor(place, torch::kInt64);
+  return slots;
 }
 
 Tensor Disturb(const Tensor& u, double offset, double noise, uint64_t seed) {

@@ -37,6 +37,10 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
             "Share of the others that begin as a new session, without a past"},
            {"--unpaired", &c.unpaired, k0To1,
             "Share of neutral windows of any content, recorded in their target style or not"},
+           {"--pairs", &c.pairs, kAny,
+            "Above 0: a batch is so many pairs of a neutral and a styled window of one content, "
+            "and "
+            "--per-style does not apply"},
            {"--offset", &c.offset, kAtLeast0,
             "Constant disturbance of a window's features, in deviations of each"},
            {"--noise", &c.noise, kAtLeast0,
@@ -65,6 +69,9 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
        }},
       {"Losses",
        {
+           {"--summed", &c.summed, kAny,
+            "1: the reconstruction is eq. 3 as it stands, summed over joints and frames, without "
+            "the three weights that follow"},
            {"--w-rotation", &c.w_rotation, kAtLeast0,
             "Weight of the reconstruction's rotations: eq. 2, summed over joints and frames"},
            {"--w-position", &c.w_position, kAtLeast0,
@@ -95,6 +102,15 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
       {"Network",
        {
            {"--wide", &c.wide, kAny, "1: a network of twice the paper's widths"},
+           {"--content-input", &c.content_input, kAny,
+            "1: the network also takes the content, recognized in live streams"},
+           {"--content-label", &c.content_label, k0To1,
+            "Share of windows that it gets with their label"},
+           {"--content-unknown", &c.content_unknown, k0To1,
+            "Share that it gets as unknown; in the others the content is what the recognizer "
+            "finds"},
+           {"--content-rise", &c.content_rise_s, kAtLeast0,
+            "Seconds in which a recognized content becomes certain"},
            {"--attention", &c.attention, kAny, "0: a plain multi-class discriminator (ablation)"},
            {"--learned-states", &c.learned_states, kAny,
             "0: recurrent states start at zero (ablation)"},
@@ -102,6 +118,31 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
             "1: judges see the detail-preserving output, 0: the absolute one"},
        }},
   };
+}
+
+void AsInThePaper(Config& config) {
+  config.content_input = true;
+  config.content_label = 1;
+  config.content_unknown = 0;
+  config.rate_hz = 60;
+  config.window = 24;
+  config.pairs = 8;  // batch 16
+  config.carry = config.session_start = config.unpaired = 0;
+  config.offset = config.noise = config.miscalibrated = config.idle = 0;
+  config.generator_rate = 1e-4;
+  config.critic_rate = 5e-5;
+  config.beta1 = 0.9;  // those of PyTorch
+  config.beta2 = 0.999;
+  config.decay_to = 1;
+  config.ema = 0;
+  config.summed = true;
+  config.w_adversarial = 1;
+  config.w_perceptual = 0.1;
+  config.w_penalty = 128;
+  config.penalty_every = 1;
+  config.w_moments = config.w_smooth = 0;
+  config.attention = config.learned_states = true;
+  config.judge_published = false;
 }
 
 Status Check(const Config& config) {
@@ -119,6 +160,16 @@ Status Check(const Config& config) {
   }
   if (!config.kept_contents.empty() && config.teachers.empty()) {
     return Status::Error("--keep-content needs a --teacher");
+  }
+  if (config.content_label + config.content_unknown > 1) {
+    return RefuseNumber("--content-unknown", config.content_unknown,
+                        "at most 1 together with --content-label");
+  }
+  if (config.pairs < 0 || (config.pairs > 0 && config.carry > 0)) {
+    return Status::Error("--pairs: at least 0, and above 0 only with --carry 0");
+  }
+  if (config.pairs > 0 && !config.teachers.empty()) {
+    return Status::Error("--pairs: a --teacher needs batches without it");
   }
   const auto named = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();

@@ -40,6 +40,15 @@ struct Config {
   std::vector<std::string> add_styles;
   bool replace = false;  // they may be among init's, and are then trained from there
 
+  // The content label C of the encoder and an initial state of the neutral branch per content, with
+  // a causal recognizer for streams without a label.
+  bool content_input = false;
+  // Of the windows, the shares that are given their label and nothing; the others are given what
+  // the recognizer finds, as a live stream is.
+  double content_label = 0.25, content_unknown = 0.1;
+  // Seconds in which a recognized content becomes certain by 1 - 1/e: a frame does not show it.
+  double content_rise_s = 0.3;
+
   // The wide shape of model/net/erd/shape.h instead of the paper's. Weights to start from bring
   // their own.
   bool wide = false;
@@ -47,8 +56,11 @@ struct Config {
   // The data.
   double rate_hz = 30.0;  // of the network; clips are resampled to it
   double heading_tau_s =
-      0.25;            // time constant of the heading filter; the runtime's must be the same
-  int window = 24;     // judged frames, at least 4; the generator runs over one more
+      0.25;         // time constant of the heading filter; the runtime's must be the same
+  int window = 24;  // judged frames, at least 4; the generator runs over one more
+  // Above 0: a batch is so many pairs of a neutral and a styled window (sampler.h), the paper's
+  // way. They carry no states, and per_style does not apply.
+  int pairs = 0;
   int per_style = 3;   // a batch has so many neutral and as many styled windows per style, >= 1
   double carry = 0.5;  // share of windows that start from the states at the end of the slot's last
   double session_start = 0.25;  // share of the others that begin as a new session
@@ -67,7 +79,10 @@ struct Config {
   double decay_from = 0.67, decay_to = 0.2;  // rates fall linearly from that share of the run on
   double ema = 0.999;  // per iteration, of the running mean of the weights, which is exported
 
-  // Weights of the losses.
+  // Weights of the losses. With `summed` the reconstruction is eq. 3 as it stands, summed over
+  // joints and frames as in eq. 8 with velocities in m/s, and w_rotation, w_position, w_velocity
+  // are 1, 1/2 and 1.
+  bool summed = false;
   double w_rotation = 0.05;  // eq. 2, summed over joints and frames, as in the authors' code
   double w_position = 5.0;  // mean squared distance, m²: ½ in eq. 3, here balanced with the above
   double w_velocity = 0.05, w_height = 0.05;  // mean squares of the heads, standardized
@@ -92,6 +107,10 @@ struct Config {
   int critic_first = 0;   // iterations in which only the critic learns, for a run with `init`
   int classifier_iterations = 1500;
 };
+
+// The settings of Tao et al. 2022: 60 Hz, pairs of windows, the content label, the losses and rates
+// of section 3.2 and the supplement, the absolute output before the judges, and nothing beside.
+void AsInThePaper(Config& config);
 
 // A flag for each member of `config`, which must outlive the rows.
 std::vector<FlagGroup> FlagsOf(Config& config);

@@ -110,6 +110,9 @@ Status Distillation::Add(const LoadedWeights& weights, const std::vector<Lesson>
     return Status::Error(
         "has other feature statistics than the run; train one with --init the other");
   }
+  if (weights.generator->shape.contents > 0) {
+    return Status::Error("takes contents as input; such a network cannot teach");
+  }
   const std::vector<std::string> shared = SharedStyles(weights.styles);
   const Result<Tensor> gains = Gains(shared, lessons);
   if (!gains.ok()) return gains.status();
@@ -199,7 +202,8 @@ Distillation::Target Distillation::Undisturbed(Teacher& teacher, const Batch& ba
     return target;
   }
   const int64_t count = slots.count();
-  const Decoded both = teacher.generator->Transfer(batch.u, slots, batch.carried, teacher.carried);
+  const Decoded both =
+      teacher.generator->Transfer(batch.u, slots, {}, batch.carried, teacher.carried);
   target.change = Multiply(Conjugate(both.rotations.narrow(1, 0, count)),
                            both.rotations.narrow(1, count, count));
   target.rise_m =
@@ -229,19 +233,35 @@ Tensor Distillation::OffBy(const Batch& batch, const Student& student, const Tar
   Tensor wanted_m;
   {
     const torch::NoGradGuard no_grad;
-    wanted_m = HipsRelativePositions(Multiply(batch.rotations, target.change));
+    wanted_m = HipsRelativePositions(Multiply(batch.rotations(), target.change));
   }
   const Tensor rise_m = student.rise_m - target.rise_m;
   const Tensor none = torch::zeros_like(rise_m);
   return student.positions_m - wanted_m + torch::stack({none, rise_m, none}, 2).unsqueeze(2);
 }
 
-Distillation::Distance Distillation::Apart(const Batch& batch, const Student& student) {
+void Distillation::See(const Batch& batch) {
+  const torch::NoGradGuard no_grad;
+  for (Teacher& teacher : teachers_) {
+    const Target seen = TargetOf(teacher, batch);
+    for (const auto& [from, to] : {std::pair(&seen.change, &teacher.target.change),
+                                   std::pair(&seen.rise_m, &teacher.target.rise_m),
+                                   std::pair(&seen.taught, &teacher.target.taught)}) {
+      if (to->defined()) {
+        to->copy_(*from);
+      } else {
+        *to = from->clone();
+      }
+    }
+  }
+}
+
+Distillation::Distance Distillation::Apart(const Batch& batch, const Student& student) const {
   const Tensor zero = torch::zeros({}, batch.u.options());
   Distance sum{zero, zero, zero};
   Tensor taught = zero;
-  for (Teacher& teacher : teachers_) {
-    const Target target = TargetOf(teacher, batch);
+  for (const Teacher& teacher : teachers_) {
+    const Target& target = teacher.target;
     taught = taught + target.taught.sum();
     const Tensor apart = SquaredHalfAngle(student.change, target.change);  // [T, B, 21]
     sum.rotation = sum.rotation + (apart.sum(torch::IntArrayRef({0, 2})) * target.taught).sum();

@@ -56,8 +56,10 @@ class Distillation {
   struct Distance {
     torch::Tensor rotation, position, velocity;
   };
-  // Also adds to the means for idle windows.
-  Distance Apart(const Batch& batch, const Student& student);
+  // Looks at the teachers' changes in these windows; also adds to the means for idle windows.
+  void See(const Batch& batch);
+  // Of the batch that was seen last. It is on the device alone: it can be recorded.
+  Distance Apart(const Batch& batch, const Student& student) const;
 
   // Carried states and means, under "teacher.N.". Restore throws if they do not fit. Teachers added
   // since the checkpoint have no state in it, and start without one.
@@ -65,6 +67,12 @@ class Distillation {
   void Restore(const Checkpoint& checkpoint);
 
  private:
+  // The teacher's change in each window for comparison, and whether there is one.
+  struct Target {
+    torch::Tensor change;  // [T, B, 21, 4], gain included
+    torch::Tensor rise_m;  // [T, B], gain included
+    torch::Tensor taught;  // [B], 1 or 0
+  };
   struct Teacher {
     std::unique_ptr<Generator> generator;  // its styles are in the run's order; otherwise:
     std::unique_ptr<ClipTeacher> clips;
@@ -73,12 +81,7 @@ class Distillation {
     // Of its changes to a style in windows of idle_content: the sum of rotation vectors, [styles,
     // 21, 3], that of the rise [styles], and their number [styles]. Undefined without idle windows.
     torch::Tensor mean_sum, rise_sum, mean_count;
-  };
-  // The teacher's change in each window for comparison, and whether there is one.
-  struct Target {
-    torch::Tensor change;  // [T, B, 21, 4], gain included
-    torch::Tensor rise_m;  // [T, B], gain included
-    torch::Tensor taught;  // [B], 1 or 0
+    Target target;  // of the batch that was seen last, always in the same memory
   };
 
   int64_t styles() const { return setup_.slots.input_one_hot.size(1); }

@@ -1,5 +1,7 @@
 #include "model/train/erd/learner.h"
 
+#include <ATen/CPUGeneratorImpl.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -29,11 +31,13 @@ Sampler::Options SamplerOptions(const Config& config, uint64_t seed,
           .unpaired = config.unpaired,
           .miscalibrated = config.miscalibrated,
           .idle = config.idle,
+          .pairs = config.pairs,
           .seed = seed};
 }
 
-GeneratorShape ShapeWithStyles(GeneratorShape shape, const clip::Manifest& manifest) {
+GeneratorShape ShapeOf(GeneratorShape shape, const Config& config, const clip::Manifest& manifest) {
   shape.styles = StyleCount(manifest);
+  if (config.content_input) shape.contents = ContentCount(manifest);
   return shape;
 }
 
@@ -75,23 +79,6 @@ double SmoothShare(const Config& config, double progress) {
 
 }  // namespace
 
-void Tally::Add(const std::string& name, const Tensor& value) {
-  const auto found = std::find_if(sums_.begin(), sums_.end(),
-                                  [&name](const auto& item) { return item.first == name; });
-  if (found == sums_.end()) {
-    sums_.emplace_back(name, value.detach().clone());
-  } else {
-    found->second += value.detach();
-  }
-}
-
-Figures Tally::PopMeans(int count) {
-  Figures means;
-  for (const auto& [name, sum] : sums_) means.emplace_back(name, sum.item<double>() / count);
-  sums_.clear();
-  return means;
-}
-
 // The order of the members is that in which the networks draw their random weights.
 Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
                  const torch::Device& device)
@@ -109,18 +96,21 @@ Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
       moments_(MeasureEffects(clips_, StyleCount(manifest_), ContentCount(manifest_), config.window,
                               kFewestWindows, data.parameters),
                device),
-      generator_(ShapeWithStyles(data.shape, manifest_), mean_, deviation_),
+      generator_(ShapeOf(data.shape, config, manifest_), mean_, deviation_),
       average_(generator_.shape, mean_, deviation_),
       critic_(kJudgedFeatures, StyleCount(manifest_), ContentCount(manifest_), config.window,
               config.attention),
       classifier_(kContentFeatures, ContentCount(manifest_)),
       generator_adam_(generator_.parameters, config.beta1, config.beta2),
       critic_adam_((critic_.parameters.Flatten(device), critic_.parameters), config.beta1,
-                   config.beta2) {
+                   config.beta2),
+      w_smooth_(torch::zeros({}, torch::TensorOptions().device(device))),
+      records_(device.is_cuda()),
+      ahead_(!device.is_cpu(), [this](int64_t iteration) { return MakeBatch(iteration); }) {
   classifier_.parameters.Flatten(device);
   average_.parameters.RequireGradient(false);
   average_.parameters.flat().copy_(generator_.parameters.flat());
-  AssignSlots();
+  slots_ = FixedSlots();
   if (!config.add_styles.empty()) FreezeAllButTheStyles();
   if (!config.learned_states) StartFromZeros();
   const torch::NoGradGuard no_grad;
@@ -136,21 +126,108 @@ Learner::Learner(const Config& config, uint64_t seed, const LearnerData& data,
                           .idle_content = IdleContent(config, manifest_),
                           .idle_contents = Named(manifest_, config_.idle_contents, device_),
                           .kept_contents = Named(manifest_, config_.kept_contents, device_)});
+  if (!records_) return;
+  UseRecordableStream();
+  means_.KeepSums();
 }
 
-void Learner::AssignSlots() {
-  std::vector<int64_t> input;
-  std::vector<int64_t> target;
+// With pairs, each batch has its own styles; these have their shapes.
+Slots Learner::FixedSlots() const {
+  std::vector<int64_t> input, target;
   for (int slot = 0; slot < sampler_.slots(); ++slot) {
-    input.push_back(sampler_.InputStyle(slot));
-    target.push_back(sampler_.TargetStyle(slot));
+    input.push_back(config_.pairs > 0 ? slot % 2 : sampler_.InputStyle(slot));
+    target.push_back(config_.pairs > 0 ? 1 - slot % 2 : sampler_.TargetStyle(slot));
   }
   const int64_t styles = generator_.shape.styles;
-  slots_.input = torch::tensor(input, torch::kInt64).to(device_);
-  slots_.target = torch::tensor(target, torch::kInt64).to(device_);
-  slots_.input_one_hot = torch::one_hot(slots_.input, styles).to(torch::kFloat32);
-  slots_.target_one_hot = torch::one_hot(slots_.target, styles).to(torch::kFloat32);
-  slots_.styled = (slots_.input > 0).to(torch::kFloat32).view({1, -1, 1});
+  Slots slots =
+      config_.pairs > 0 ? PlacedSlots(input, target, styles) : OrderedSlots(input, target, styles);
+  for (Tensor* tensor : {&slots.input, &slots.target, &slots.input_one_hot, &slots.target_one_hot,
+                         &slots.styled, &slots.window_of_place, &slots.place_of_window}) {
+    if (tensor->defined()) *tensor = tensor->to(device_);
+  }
+  return slots;
+}
+
+// In memory of the CPU; it may run in another thread (OneAhead).
+OneAhead<Batch>::Made Learner::MakeBatch(int64_t iteration) {
+  const torch::NoGradGuard no_grad;
+  const std::vector<Sampler::Window> windows = sampler_.Next();
+  Batch batch = batches_.Make(windows);
+  if (config_.offset > 0 || config_.noise > 0) {
+    batch.input = Disturb(batch.input, config_.offset, config_.noise,
+                          seed_ * 1000003 + static_cast<uint64_t>(iteration));
+  }
+  if (generator_.shape.contents > 0) DrawContentSources(iteration, batch);
+  if (config_.pairs > 0) {
+    std::vector<int64_t> input, target;
+    for (const Sampler::Window& window : windows) {
+      input.push_back(window.style);
+      target.push_back(window.target);
+    }
+    batch.slots = PlacedSlots(input, target, generator_.shape.styles);
+  }
+  if (device_.is_cuda()) PinMemory(batch.all());
+  return {std::move(batch), sampler_.Save()};
+}
+
+// Seeded by the iteration, so that a resumed run draws the same.
+void Learner::DrawContentSources(int64_t iteration, Batch& batch) const {
+  constexpr uint64_t kSourceSeed = 3000017;  // apart from the disturbance's
+  const at::Generator random = at::detail::createCPUGenerator(
+      seed_ * 1000003 + static_cast<uint64_t>(iteration) + kSourceSeed);
+  const Tensor draw = torch::rand({batch.content.size(0)}, random);
+  batch.labelled = (draw < config_.content_label).to(torch::kFloat32);
+  batch.recognized = (draw >= config_.content_label + config_.content_unknown).to(torch::kFloat32);
+}
+
+const Batch& Learner::NextBatch() {
+  Batch next = ahead_.Next(iteration_);
+  if (device_.is_cpu()) {
+    batch_ = std::move(next);
+  } else {
+    CopyToDevice(next.all(), device_, batch_.all());
+    batch_.windows = std::move(next.windows);
+  }
+  if (config_.pairs == 0) batch_.slots = slots_;
+  return batch_;
+}
+
+bool Learner::Penalized() const { return iteration_ % config_.penalty_every == 0; }
+
+void Learner::Run(RecordedWork& recorded, const std::function<void()>& work) {
+  if (records_) {
+    recorded.Run(means_, work);
+  } else {
+    work();
+  }
+}
+
+// The label, what the recognizer has found up to each frame, or nothing. The recognizer learns from
+// all windows, and from its own loss alone.
+ContentInput Learner::Contents(const Batch& batch, Carried& carried, Generated& out) {
+  if (generator_.shape.contents == 0) return {};
+  const Stack& recognizer = generator_.recognizer;
+  carried.recognizer = Stack::Start(recognizer.Initial(batch.slots.count()), carried.recognizer,
+                                    batch.carried.view({1, -1, 1}));
+  const Tensor logits = generator_.Recognize(batch.input, carried.recognizer);
+  const Tensor label = batch.content.argmax(1);
+  out.recognition =
+      torch::nn::functional::cross_entropy(logits.flatten(0, 1), label.repeat({frames_}));
+  means_.Add("recognizer", out.recognition);
+  means_.Add("recognized", (logits[frames_ - 1].argmax(1) == label).to(torch::kFloat32).mean());
+  const torch::NoGradGuard no_grad;
+  const Tensor age_s = torch::where(batch.carried, carried.age_s, torch::zeros_like(carried.age_s));
+  const Tensor at_s = torch::arange(frames_, age_s.options()).unsqueeze(1) / config_.rate_hz +
+                      age_s.unsqueeze(0);  // [T, B]
+  const Tensor certainty = 1.0 - (-at_s / config_.content_rise_s).exp();
+  const Tensor found = torch::softmax(logits, 2) * certainty.unsqueeze(2);
+  carried.age_s = age_s + static_cast<double>(frames_) / config_.rate_hz;
+  const Tensor labelled = batch.labelled.view({1, -1, 1});
+  ContentInput in;
+  in.content = labelled * batch.content.unsqueeze(0) + batch.recognized.view({1, -1, 1}) * found;
+  in.start =
+      torch::where(batch.labelled > 0, label, torch::full_like(label, generator_.shape.contents));
+  return in;
 }
 
 Status Learner::AddTeacher(const LoadedWeights& weights, const std::vector<Lesson>& lessons) {
@@ -164,15 +241,19 @@ Status Learner::AddTeacher(const net::ClipStylizer& network, const std::vector<L
 // A badly calibrated window must have the same output as the well calibrated one: `rec` is compared
 // with that, and the change of style is applied to it before it is judged.
 Learner::Generated Learner::Generate(const Batch& batch) {
-  const Decoded decoded = generator_.Transfer(batch.input, slots_, batch.carried, carried_);
-  const int64_t count = slots_.count();
   Generated out;
+  Carried ends = carried_;
+  const ContentInput contents = Contents(batch, ends, out);
+  const Decoded decoded =
+      generator_.Transfer(batch.input, batch.slots, contents, batch.carried, ends);
+  carried_.CopyFrom(ends);
+  const int64_t count = batch.slots.count();
   out.rec = decoded.rotations.narrow(1, 0, count);
   out.rec_velocities = decoded.velocities.narrow(1, 0, count);
   out.rec_height = decoded.height.narrow(1, 0, count);
   const Tensor sty = decoded.rotations.narrow(1, count, count);
   out.change = Multiply(Conjugate(out.rec), sty);
-  out.rotations = config_.judge_published ? Multiply(batch.rotations, out.change) : sty;
+  out.rotations = config_.judge_published ? Multiply(batch.rotations(), out.change) : sty;
   const Tensor positions = HipsRelativePositions(torch::cat({out.rec, out.rotations}, 1));
   out.rec_positions = positions.narrow(1, 0, count);
   const Tensor sty_positions = positions.narrow(1, count, count);
@@ -180,12 +261,12 @@ Learner::Generated Learner::Generate(const Batch& batch) {
   if (compared && !teachers_->empty()) {
     out.positions = config_.judge_published
                         ? sty_positions
-                        : HipsRelativePositions(Multiply(batch.rotations, out.change));
+                        : HipsRelativePositions(Multiply(batch.rotations(), out.change));
   }
   out.rise_m = (decoded.height.narrow(1, count, count) - out.rec_height).squeeze(2) *
                deviation_[erd::kHipsHeightIndex];
   // The lowest foot stays as high as the input's.
-  const Tensor lift = LowestFoot(batch.positions) - LowestFoot(sty_positions);
+  const Tensor lift = LowestFoot(batch.positions()) - LowestFoot(sty_positions);
   out.fake = Judged(sty_positions.narrow(0, 1, frames_ - 1),
                     WorldVelocities(sty_positions, batch.yaw_change_rad, batch.hips_step_m, lift,
                                     config_.rate_hz));
@@ -193,12 +274,12 @@ Learner::Generated Learner::Generate(const Batch& batch) {
 }
 
 // Real +1, fake -1, and the gradient penalty on real windows (eq. 5, 6).
-void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
-  const bool penalized = iteration_ % config_.penalty_every == 0;
+void Learner::TeachCritic(const Batch& batch, const Tensor& fake) {
+  const bool penalized = Penalized();
   const Tensor x = Real(batch).detach().requires_grad_(penalized);
-  const Tensor real_score = critic_(x, torch::cat({slots_.input_one_hot, batch.content}, 1));
+  const Tensor real_score = critic_(x, torch::cat({batch.slots.input_one_hot, batch.content}, 1));
   const Tensor fake_score =
-      critic_(fake.detach(), torch::cat({slots_.target_one_hot, batch.content}, 1));
+      critic_(fake.detach(), torch::cat({batch.slots.target_one_hot, batch.content}, 1));
   const Tensor judgement =
       (real_score - 1.0).square().mean() + PairedMean(batch, (fake_score + 1.0).square());
   Tensor loss = judgement;
@@ -207,40 +288,38 @@ void Learner::StepCritic(const Batch& batch, const Tensor& fake, double rate) {
     const Tensor penalty = config_.w_penalty * config_.penalty_every *
                            gradient.square().sum(torch::IntArrayRef({0, 2})).mean();
     loss = loss + penalty;
-    tally_.Add("penalty", penalty);
+    means_.Add("penalty", penalty);
   }
-  tally_.Add("critic", judgement);
-  tally_.Add("real", real_score.mean());
-  tally_.Add("fake", fake_score.mean());
+  means_.Add("critic", judgement);
+  means_.Add("real", real_score.mean());
+  means_.Add("fake", fake_score.mean());
   critic_.parameters.ZeroGradient();
   loss.backward();
-  critic_adam_.Step(critic_.parameters, rate);
 }
 
-// All losses that have a weight; only the generator's parameters move.
-void Learner::StepGenerator(const Batch& batch, const Generated& generated, double progress,
-                            double rate) {
+void Learner::TeachGenerator(const Batch& batch, const Generated& generated) {
   critic_.parameters.RequireGradient(false);
-  Tensor loss = Reconstruction(batch, generated);
+  Tensor loss =
+      config_.summed ? SummedReconstruction(batch, generated) : Reconstruction(batch, generated);
   if (config_.w_adversarial > 0) {
     loss = loss + config_.w_adversarial * Adversarial(batch, generated);
   }
   if (config_.w_perceptual > 0) {
     const Tensor perceptual = Perceptual(batch, generated);
-    tally_.Add("perceptual", perceptual);
+    means_.Add("perceptual", perceptual);
     loss = loss + config_.w_perceptual * perceptual;
   }
   if (config_.w_moments > 0) {
     loss = loss + config_.w_moments * MomentMatching(batch, generated);
   }
   if (!teachers_->empty()) loss = loss + Teaching(batch, generated);
-  loss = loss + config_.w_smooth * SmoothShare(config_, progress) * Smoothness(generated);
-  tally_.Add("loss", loss);
+  loss = loss + w_smooth_ * Smoothness(generated);
+  means_.Add("loss", loss);
+  if (generated.recognition.defined()) loss = loss + generated.recognition;
   generator_.parameters.ZeroGradient();
   loss.backward();
   critic_.parameters.RequireGradient(true);
   if (trained_.defined()) generator_.parameters.gradient().mul_(trained_);
-  generator_adam_.Step(generator_.parameters, rate);
 }
 
 // Early on the mean is over fewer iterations, so that it does not keep the random weights.
@@ -253,20 +332,22 @@ void Learner::UpdateAverage() {
 
 void Learner::Step(double progress) {
   const double decay = Decay(config_, progress);
-  Batch batch = batches_.Make(sampler_.Next());
-  if (config_.offset > 0 || config_.noise > 0) {
-    batch.input = Disturb(batch.input, config_.offset, config_.noise,
-                          seed_ * 1000003 + static_cast<uint64_t>(iteration_));
-  }
-  const Generated generated = Generate(batch);
-  if (config_.w_adversarial > 0) {
-    StepCritic(batch, generated.fake, config_.critic_rate * decay);
-  }
+  w_smooth_.fill_(config_.w_smooth * SmoothShare(config_, progress));
+  const Batch& batch = NextBatch();
+  teachers_->See(batch);
+  Recorded& r = recorded_[Penalized() ? 1 : 0];
+  Run(r.critic, [&] {
+    r.made = Generate(batch);
+    if (config_.w_adversarial > 0) TeachCritic(batch, r.made.fake);
+  });
+  if (config_.w_adversarial > 0) critic_adam_.Step(critic_.parameters, config_.critic_rate * decay);
   if (iteration_ < config_.critic_first) {
     ++iteration_;
     return;
   }
-  StepGenerator(batch, generated, progress, config_.generator_rate * decay);
+  Run(r.generator, [&] { TeachGenerator(batch, r.made); });
+  generator_adam_.Step(generator_.parameters, config_.generator_rate * decay);
+  if (!records_) r.made = {};  // a recording reads it again
   ++iteration_;
   UpdateAverage();
 }
@@ -291,7 +372,7 @@ void Learner::Save(Checkpoint& checkpoint) const {
   t["iteration"] = torch::tensor({iteration_}, torch::kInt64);
   SaveCarried(carried_, "", checkpoint);
   teachers_->Save(checkpoint);
-  checkpoint.strings["sampler"] = sampler_.Save();
+  checkpoint.strings["sampler"] = ahead_.sampler().empty() ? sampler_.Save() : ahead_.sampler();
 }
 
 Status Learner::Restore(const Checkpoint& checkpoint) {
@@ -303,7 +384,7 @@ Status Learner::Restore(const Checkpoint& checkpoint) {
       return Status::Error("was made with other data or another rate");
     }
     if (t.at("generator").sizes() != generator_.parameters.flat().sizes()) {
-      return Status::Error("was made with other styles or another --wide");
+      return Status::Error("was made with other styles, another --wide or another --content-input");
     }
     generator_.parameters.flat().copy_(t.at("generator"));
     average_.parameters.flat().copy_(t.at("average"));

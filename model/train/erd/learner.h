@@ -2,6 +2,8 @@
 
 #include <torch/torch.h>
 
+#include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +20,10 @@
 #include "model/train/erd/moments.h"
 #include "model/train/erd/networks.h"
 #include "model/train/erd/weights.h"
+#include "model/train/means.h"
+#include "model/train/one_ahead.h"
 #include "model/train/recipe.h"
+#include "model/train/recorded_work.h"
 #include "model/train/sampler.h"
 
 namespace styled::train::style_erd {
@@ -27,17 +32,6 @@ namespace styled::train::style_erd {
 // contents.
 inline constexpr int64_t kJudgedFeatures = erd::kPositionFeatures + erd::kVelocityFeatures;
 inline constexpr int64_t kContentFeatures = erd::kRotationFeatures + kJudgedFeatures;
-
-// Sums of losses, kept on the device so that only the log waits for it.
-class Tally {
- public:
-  void Add(const std::string& name, const torch::Tensor& value);
-  // The means over `count` iterations, in the order of the first Add; starts new sums.
-  Figures PopMeans(int count);
-
- private:
-  std::vector<std::pair<std::string, torch::Tensor>> sums_;
-};
 
 // A learner's training data. All of it must outlive the learner.
 struct LearnerData {
@@ -79,7 +73,7 @@ class Learner {
   const torch::Tensor& mean() const { return mean_; }    // [211], of the features
   const torch::Tensor& deviation() const { return deviation_; }
   bool HasIdleFrames() const { return sampler_.HasIdleFrames(); }
-  Tally& tally() { return tally_; }
+  Means& means() { return means_; }
 
  private:
   // The generator's output for a batch.
@@ -91,6 +85,12 @@ class Learner {
     torch::Tensor rise_m;                      // of the hips by the height heads, [T, B]
     torch::Tensor rotations;                   // transferred, in the form that is judged
     torch::Tensor fake;                        // transferred, as the critic sees it
+    torch::Tensor recognition;                 // the recognizer's loss; undefined without one
+  };
+  // The recordings of an iteration, and what the first part leaves to the second.
+  struct Recorded {
+    RecordedWork critic, generator;
+    Generated made;
   };
 
   // learner_start.cpp
@@ -99,10 +99,17 @@ class Learner {
   void StartFromZeros();
 
   // learner.cpp
-  void AssignSlots();
+  Slots FixedSlots() const;
+  OneAhead<Batch>::Made MakeBatch(int64_t iteration);
+  void DrawContentSources(int64_t iteration, Batch& batch) const;
+  const Batch& NextBatch();
+  bool Penalized() const;
+  void Run(RecordedWork& recorded, const std::function<void()>& work);
   Generated Generate(const Batch& batch);
-  void StepCritic(const Batch& batch, const torch::Tensor& fake, double rate);
-  void StepGenerator(const Batch& batch, const Generated& generated, double progress, double rate);
+  ContentInput Contents(const Batch& batch, Carried& carried, Generated& out);
+  // The gradients of the critic, and of the generator from all losses that have a weight.
+  void TeachCritic(const Batch& batch, const torch::Tensor& fake);
+  void TeachGenerator(const Batch& batch, const Generated& generated);
   void UpdateAverage();
 
   // losses.cpp
@@ -110,6 +117,7 @@ class Learner {
   torch::Tensor Real(const Batch& batch) const;
   torch::Tensor PairedMean(const Batch& batch, const torch::Tensor& score) const;
   torch::Tensor Reconstruction(const Batch& batch, const Generated& generated);
+  torch::Tensor SummedReconstruction(const Batch& batch, const Generated& generated);
   torch::Tensor Adversarial(const Batch& batch, const Generated& generated);
   torch::Tensor Perceptual(const Batch& batch, const Generated& generated) const;
   torch::Tensor MomentMatching(const Batch& batch, const Generated& generated);
@@ -134,11 +142,16 @@ class Learner {
   Adam generator_adam_, critic_adam_;
 
   torch::Tensor trained_;  // 1 where a parameter is trained; undefined: all
-  Slots slots_;
+  Slots slots_;            // of each batch, on the device; with pairs of the first
   Carried carried_;
   std::optional<Distillation> teachers_;  // once the slots are known
+  torch::Tensor w_smooth_;                // of now, a scalar on the device
   int64_t iteration_ = 0;
-  Tally tally_;
+  Means means_;
+  const bool records_;                // whether iterations are recorded and launched as a whole
+  std::array<Recorded, 2> recorded_;  // by whether the critic is penalized
+  Batch batch_;                       // on the device
+  OneAhead<Batch> ahead_;             // destroyed first: it uses the others
 };
 
 }  // namespace styled::train::style_erd

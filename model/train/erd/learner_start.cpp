@@ -32,9 +32,9 @@ void Learner::TrainClassifier() {
     for (int64_t k = 0; k < slots_.count(); ++k)
       windows.push_back(sampler.Draw(static_cast<int>(k) % styles));
     const Batch batch = batches_.Make(windows);
-    const Tensor u = batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures);
+    const Tensor u = batch.u.narrow(0, 1, frames_ - 1).narrow(2, 0, kContentFeatures).to(device_);
     const Tensor logits = classifier_.Logits(u);
-    const Tensor label = batch.content.argmax(1);
+    const Tensor label = batch.content.argmax(1).to(device_);
     const Tensor loss = torch::nn::functional::cross_entropy(logits, label);
     classifier_.parameters.ZeroGradient();
     loss.backward();
@@ -64,14 +64,18 @@ std::vector<int64_t> Learner::NearestStyles(const Generator& from) const {
     std::vector<Sampler::Window> windows;
     for (int64_t i = 0; i < kWindows; ++i) windows.push_back(sampler.Draw(style));
     const Batch batch = batches_.Make(windows);
-    const Tensor z = from.Encode(batch.u.cpu().repeat({1, branches, 1}), styles);
-    StackState neutral_state = from.neutral.Initial(kWindows * branches);
-    StackState branch_state = from.branches.Initial(kWindows);
     const Tensor target = torch::one_hot(styles, branches + 1).to(torch::kFloat32);
+    const bool knows_contents = from.shape.contents > 0;
+    const Tensor content = batch.content.repeat({branches, 1});
+    const Tensor z = from.Encode(batch.u.repeat({1, branches, 1}), target,
+                                 content.unsqueeze(0).expand({frames_, -1, -1}));
+    StackState neutral_state = knows_contents ? from.neutral.InitialOf(content.argmax(1))
+                                              : from.neutral.Initial(kWindows * branches);
+    StackState branch_state = from.branches.Initial(kWindows);
     const Tensor rec =
         from.Decode(from.Neutral(z, neutral_state) + from.Branches(z, branch_state), target)
             .rotations;
-    const Tensor error = SquaredHalfAngle(rec, batch.rotations.cpu().repeat({1, branches, 1, 1}));
+    const Tensor error = SquaredHalfAngle(rec, batch.rotations().repeat({1, branches, 1, 1}));
     nearest.push_back(1 + error.mean(torch::IntArrayRef({0, 2}))
                               .view({branches, kWindows})
                               .mean(1)
@@ -113,7 +117,8 @@ void Learner::FreezeAllButTheStyles() {
     if (name.starts_with("branches.")) mask.fill_(1);
     if (name == "encoder.0.weight" || name == "decoder.0.weight") {
       const int64_t added = generator_.shape.styles - 1;
-      mask.narrow(1, mask.size(1) - added, added).fill_(1);
+      const int64_t after = name == "encoder.0.weight" ? generator_.shape.contents : 0;
+      mask.narrow(1, mask.size(1) - after - added, added).fill_(1);
     }
   }
 }

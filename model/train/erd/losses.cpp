@@ -1,4 +1,6 @@
 // The losses of the generator and the critic's input.
+#include <array>
+
 #include "model/train/erd/learner.h"
 #include "model/train/geometry.h"
 
@@ -31,27 +33,48 @@ Tensor Learner::PairedMean(const Batch& batch, const Tensor& score) const {
 // Eq. 2 and 3, weighted.
 Tensor Learner::Reconstruction(const Batch& batch, const Generated& generated) {
   const Tensor rotation =
-      SquaredHalfAngle(generated.rec, batch.rotations).sum(torch::IntArrayRef({0, 2})).mean();
-  const Tensor position = (generated.rec_positions - batch.positions).square().sum(-1).mean();
+      SquaredHalfAngle(generated.rec, batch.rotations()).sum(torch::IntArrayRef({0, 2})).mean();
+  const Tensor position = (generated.rec_positions - batch.positions()).square().sum(-1).mean();
   const Tensor velocity =
       (generated.rec_velocities - batch.u.narrow(2, erd::kVelocityBegin, erd::kVelocityFeatures))
           .square()
           .mean();
   const Tensor height =
       (generated.rec_height - batch.u.narrow(2, erd::kHipsHeightIndex, 1)).square().mean();
-  tally_.Add("rec_rad", (rotation / (frames_ * body::kJointCount)).sqrt() * 2.0);
-  tally_.Add("rec_m", position.sqrt());
-  tally_.Add("velocity", velocity);
-  tally_.Add("height", height);
+  means_.Add("rec_rad", (rotation / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  means_.Add("rec_m", position.sqrt());
+  means_.Add("velocity", velocity);
+  means_.Add("height", height);
   return config_.w_rotation * rotation + config_.w_position * position +
          config_.w_velocity * velocity + config_.w_height * height;
 }
 
+// Eq. 2 and 3, summed as in eq. 8. The head of the hips' height is ours, beside the paper's.
+Tensor Learner::SummedReconstruction(const Batch& batch, const Generated& generated) {
+  const std::array<int64_t, 2> all_but_batch{0, 2};
+  const Tensor rotation =
+      SquaredHalfAngle(generated.rec, batch.rotations()).sum(all_but_batch).mean();
+  const Tensor position =
+      (generated.rec_positions - batch.positions()).square().sum(-1).sum(all_but_batch).mean();
+  const Tensor velocities = batch.u.narrow(2, erd::kVelocityBegin, erd::kVelocityFeatures);
+  const Tensor off_mps = (generated.rec_velocities - velocities) *
+                         deviation_.narrow(0, erd::kVelocityBegin, erd::kVelocityFeatures);
+  const Tensor velocity = off_mps.square().sum(all_but_batch).mean();
+  const Tensor height =
+      (generated.rec_height - batch.u.narrow(2, erd::kHipsHeightIndex, 1)).square().mean();
+  const auto terms = static_cast<double>(frames_ * body::kJointCount);
+  means_.Add("rec_rad", (rotation / terms).sqrt() * 2.0);
+  means_.Add("rec_m", (position / terms).sqrt());
+  means_.Add("velocity", velocity);
+  means_.Add("height", height);
+  return rotation + 0.5 * position + velocity + config_.w_height * height;
+}
+
 // The critic's score of transferred windows, whose target is 0 (eq. 5).
 Tensor Learner::Adversarial(const Batch& batch, const Generated& generated) {
-  const Tensor labels = torch::cat({slots_.target_one_hot, batch.content}, 1);
+  const Tensor labels = torch::cat({batch.slots.target_one_hot, batch.content}, 1);
   const Tensor loss = PairedMean(batch, critic_(generated.fake, labels).square());
-  tally_.Add("adversarial", loss);
+  means_.Add("adversarial", loss);
   return loss;
 }
 
@@ -86,9 +109,9 @@ Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
   const Tensor in = batch.features.narrow(0, 1, frames_ - 1).narrow(2, 0, kEffectFeatures);
   const Tensor positions = generated.fake.narrow(2, 0, erd::kPositionFeatures) * deviation + mean;
   const Tensor out = torch::cat({OnHemisphere(generated.rotations), positions}, 2);
-  const Tensor loss = moments_.Loss(in, out, slots_.target, batch.content.argmax(1),
-                                    batch.paired * (1.0 - slots_.styled.flatten()));
-  tally_.Add("moments", moments_.Distance());
+  const Tensor loss = moments_.Loss(in, out, batch.slots.target, batch.content.argmax(1),
+                                    batch.paired * (1.0 - batch.slots.styled.flatten()));
+  means_.Add("moments", moments_.Distance());
   return loss;
 }
 
@@ -96,18 +119,18 @@ Tensor Learner::MomentMatching(const Batch& batch, const Generated& generated) {
 Tensor Learner::Smoothness(const Generated& generated) {
   const Tensor log_change = LogQuaternion(generated.change);
   const Tensor smooth = log_change.diff(2, 0).square().sum(torch::IntArrayRef({0, 2, 3})).mean();
-  tally_.Add("smooth", smooth);
-  tally_.Add("change_rad", log_change.detach().square().sum(-1).sqrt().mean());
+  means_.Add("smooth", smooth);
+  means_.Add("change_rad", log_change.detach().square().sum(-1).sqrt().mean());
   return smooth;
 }
 
 Tensor Learner::Teaching(const Batch& batch, const Generated& generated) {
   const Distillation::Distance apart =
       teachers_->Apart(batch, {generated.change, generated.positions, generated.rise_m});
-  tally_.Add("teacher_rad", (apart.rotation.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
+  means_.Add("teacher_rad", (apart.rotation.detach() / (frames_ * body::kJointCount)).sqrt() * 2.0);
   if (generated.positions.defined()) {
-    tally_.Add("teacher_m", apart.position.detach().sqrt());
-    tally_.Add("teacher_mps", apart.velocity.detach().sqrt());
+    means_.Add("teacher_m", apart.position.detach().sqrt());
+    means_.Add("teacher_mps", apart.velocity.detach().sqrt());
   }
   return config_.w_teacher * apart.rotation + config_.w_teacher_position * apart.position +
          config_.w_teacher_velocity * apart.velocity;

@@ -58,6 +58,10 @@ void Monitor::AddWindows(const std::vector<TrainingClip>& clips, int contents,
   TORCH_CHECK(!windows.empty(), "the validation split has no neutral clip of ", kFrames + 1,
               " frames");
   features_ = torch::stack(windows, 1);
+  labels_ = torch::zeros({static_cast<int64_t>(windows.size()), contents});
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    labels_[static_cast<int64_t>(i)][kept[static_cast<std::size_t>(content_of[i])]] = 1.0F;
+  }
   content_ =
       torch::zeros({static_cast<int64_t>(kept.size()), static_cast<int64_t>(windows.size())});
   for (std::size_t i = 0; i < windows.size(); ++i) {
@@ -76,6 +80,7 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips,
   const torch::Device device = mean.device();
   features_ = features_.to(device);
   content_ = content_.to(device);
+  labels_ = labels_.to(device);
   u_ = (features_ - mean) / deviation;
   const Tensor kept_index = torch::tensor(kept, torch::kInt64);
   const StyleEffects real = MeasureEffects(clips, static_cast<int>(styles.size()), contents,
@@ -90,14 +95,17 @@ Monitor::Monitor(const std::vector<TrainingClip>& clips,
 Monitor::Sequences Monitor::Run(const Generator& generator) const {
   const int64_t batch = u_.size(1);
   const auto branches = static_cast<int64_t>(names_.size());
-  const Tensor neutral = torch::zeros({batch}, torch::kInt64).to(u_.device());
-  const Tensor z = generator.Encode(u_, neutral);
-  StackState neutral_state = generator.neutral.Initial(batch);
+  const Tensor one_hot = torch::eye(branches + 1).to(u_.device());
+  const bool knows_contents = generator.shape.contents > 0;
+  const Tensor z = generator.Encode(u_, one_hot.narrow(0, 0, 1).expand({batch, -1}),
+                                    labels_.unsqueeze(0).expand({kFrames, -1, -1}));
+  StackState neutral_state = knows_contents ? generator.neutral.InitialOf(labels_.argmax(1))
+                                            : generator.neutral.Initial(batch);
   StackState branch_state = generator.branches.Initial(batch);
   Sequences run;
   run.z_neutral = generator.Neutral(z, neutral_state);
   run.z_residual = generator.Branches(z.repeat({1, branches, 1}), branch_state);
-  run.one_hot = torch::eye(branches + 1).to(u_.device());
+  run.one_hot = one_hot;
   run.rec =
       generator.Decode(run.z_neutral, run.one_hot.narrow(0, 0, 1).expand({batch, -1})).rotations;
   run.input = features_.narrow(2, 0, erd::kRotationFeatures)

@@ -47,6 +47,7 @@ class Monitor {
   std::vector<std::string> names_;  // of the styles but neutral
   torch::Tensor features_;          // [kFrames, B, 211]
   torch::Tensor u_;                 // standardized
+  torch::Tensor labels_;            // [B, contents] one-hot
   torch::Tensor content_;           // [contents, B]: mean over a content's windows
   torch::Tensor real_shift_;        // [styles, contents, 63]: real neutral -> real style
   torch::Tensor present_;           // [styles, contents, 1]: 1 where the style was recorded

@@ -36,6 +36,9 @@ Tensor InstanceNorm(const Tensor& x) {
 
 Tensor Leaky(const Tensor& x) { return torch::leaky_relu(x, kLeak); }
 
+// Features as encoder and recognizer see them.
+Tensor Known(const Tensor& u) { return u.clamp(-erd::kMaxStandardized, erd::kMaxStandardized); }
+
 }  // namespace
 
 GeneratorShape GeneratorShape::Of(const erd::Shape& widths) {
@@ -55,16 +58,17 @@ Affine::Affine(Parameters& parameters, const std::string& name, int64_t in, int6
 Tensor Affine::operator()(const Tensor& x) const { return torch::linear(x, weight, bias); }
 
 Stack::Stack(Parameters& parameters, const std::string& name, int64_t groups_, int64_t layers,
-             int64_t width)
+             int64_t width, int64_t starts)
     : groups(groups_) {
+  TORCH_CHECK(groups == 1 || starts == 1, "several starts of several groups");
   const double bound = 1.0 / std::sqrt(static_cast<double>(width));
   for (int64_t layer = 0; layer < layers; ++layer) {
     const std::string prefix = name + "." + std::to_string(layer) + ".";
     input.push_back(parameters.Add(prefix + "input", {groups, 4 * width, width}, bound));
     hidden.push_back(parameters.Add(prefix + "hidden", {groups, 4 * width, width}, bound));
     bias.push_back(parameters.Add(prefix + "bias", {groups, 4 * width}, bound));
-    h0.push_back(parameters.Add(prefix + "h0", {groups, width}, bound));
-    c0.push_back(parameters.Add(prefix + "c0", {groups, width}, bound));
+    h0.push_back(parameters.Add(prefix + "h0", {groups * starts, width}, bound));
+    c0.push_back(parameters.Add(prefix + "c0", {groups * starts, width}, bound));
   }
 }
 
@@ -78,14 +82,23 @@ StackState StackState::Concrete() const {
 StackState Stack::Initial(int64_t samples) const {
   StackState state;
   for (std::size_t layer = 0; layer < input.size(); ++layer) {
-    state.h.push_back(h0[layer].unsqueeze(1).expand({-1, samples, -1}));
-    state.c.push_back(c0[layer].unsqueeze(1).expand({-1, samples, -1}));
+    state.h.push_back(h0[layer].narrow(0, 0, groups).unsqueeze(1).expand({-1, samples, -1}));
+    state.c.push_back(c0[layer].narrow(0, 0, groups).unsqueeze(1).expand({-1, samples, -1}));
   }
   return state;
 }
 
-StackState Stack::Start(const StackState& carried, const Tensor& mask) const {
-  StackState state = Initial(carried.h[0].size(1));
+StackState Stack::InitialOf(const Tensor& starts) const {
+  StackState state;
+  for (std::size_t layer = 0; layer < input.size(); ++layer) {
+    state.h.push_back(h0[layer].index_select(0, starts).unsqueeze(0));
+    state.c.push_back(c0[layer].index_select(0, starts).unsqueeze(0));
+  }
+  return state;
+}
+
+StackState Stack::Start(const StackState& initial, const StackState& carried, const Tensor& mask) {
+  StackState state = initial;
   for (std::size_t layer = 0; layer < state.h.size(); ++layer) {
     state.h[layer] = torch::where(mask, carried.h[layer], state.h[layer]);
     state.c[layer] = torch::where(mask, carried.c[layer], state.c[layer]);
@@ -108,14 +121,15 @@ Generator::Generator(const GeneratorShape& shape_, const Tensor& mean, const Ten
     : shape(shape_),
       rotation_mean_(mean.narrow(0, 0, erd::kRotationFeatures)),
       rotation_deviation_(deviation.narrow(0, 0, erd::kRotationFeatures)) {
-  int64_t width = erd::kFeatureCount + shape.styles;
+  int64_t width = erd::kFeatureCount + shape.styles + shape.contents;
   std::vector<int64_t> widths = shape.encoder;
   widths.push_back(shape.latent);
   for (const int64_t next : widths) {
     encoder_.emplace_back(parameters, "encoder." + std::to_string(encoder_.size()), width, next);
     width = next;
   }
-  neutral = Stack(parameters, "neutral", 1, shape.neutral_layers, shape.latent);
+  // One state per content, and one for an unknown content.
+  neutral = Stack(parameters, "neutral", 1, shape.neutral_layers, shape.latent, shape.contents + 1);
   branches = Stack(parameters, "branches", shape.styles - 1, shape.style_layers, shape.latent);
   width = shape.latent + shape.styles;
   for (const int64_t next : shape.decoder) {
@@ -125,18 +139,32 @@ Generator::Generator(const GeneratorShape& shape_, const Tensor& mean, const Ten
   rotation_ = Affine(parameters, "head.rotation", width, erd::kRotationFeatures);
   velocity_ = Affine(parameters, "head.velocity", width, erd::kVelocityFeatures);
   height_ = Affine(parameters, "head.height", width, 1);
+  if (shape.contents > 0) AddRecognizer();
   parameters.Flatten(mean.device());
 }
 
-Tensor Generator::Encode(const Tensor& u, const Tensor& styles) const {
-  const Tensor one_hot = torch::one_hot(styles, shape.styles).to(u.dtype());
-  const Tensor known = u.clamp(-erd::kMaxStandardized, erd::kMaxStandardized);
-  Tensor x = torch::cat({known, one_hot.unsqueeze(0).expand({u.size(0), -1, -1})}, 2);
+void Generator::AddRecognizer() {
+  const int64_t hidden = shape.encoder.at(0);
+  recognizer_.emplace_back(parameters, "recognizer.0", erd::kFeatureCount, hidden);
+  recognizer_.emplace_back(parameters, "recognizer.1", hidden, shape.latent);
+  recognizer = Stack(parameters, "recognizer.lstm", 1, 1, shape.latent);
+  recognized_ = Affine(parameters, "recognizer.head", shape.latent, shape.contents);
+}
+
+Tensor Generator::Encode(const Tensor& u, const Tensor& one_hot, const Tensor& content) const {
+  std::vector<Tensor> parts{Known(u), one_hot.unsqueeze(0).expand({u.size(0), -1, -1})};
+  if (shape.contents > 0) parts.push_back(content);
+  Tensor x = torch::cat(parts, 2);
   for (std::size_t i = 0; i < encoder_.size(); ++i) {
     x = encoder_[i](x);
     if (i + 1 < encoder_.size()) x = torch::relu(x);
   }
   return x;
+}
+
+Tensor Generator::Recognize(const Tensor& u, StackState& state) const {
+  const Tensor in = recognizer_[1](torch::relu(recognizer_[0](Known(u))));
+  return recognized_(recognizer(in.unsqueeze(0), state).squeeze(0));
 }
 
 Tensor Generator::Neutral(const Tensor& z, StackState& state) const {
@@ -162,21 +190,49 @@ Decoded Generator::Decode(const Tensor& z, const Tensor& target) const {
   return out;
 }
 
-Decoded Generator::Transfer(const Tensor& u, const Slots& slots, const Tensor& goes_on,
-                            Carried& carried) const {
-  const Tensor z = Encode(u, slots.input);
-  carried.neutral = neutral.Start(carried.neutral, goes_on.view({1, -1, 1}));
-  carried.branches = branches.Start(carried.branches, goes_on.view({branches.groups, -1, 1}));
+Decoded Generator::Transfer(const Tensor& u, const Slots& slots, const ContentInput& content,
+                            const Tensor& goes_on, Carried& carried) const {
+  const Tensor z = Encode(u, slots.input_one_hot, content.content);
+  const StackState neutral_start =
+      content.start.defined() ? neutral.InitialOf(content.start) : neutral.Initial(slots.count());
+  carried.neutral = Stack::Start(neutral_start, carried.neutral, goes_on.view({1, -1, 1}));
+  const bool placed = slots.window_of_place.defined();
+  const Tensor carries = placed ? goes_on.index_select(0, slots.window_of_place) : goes_on;
+  carried.branches = Stack::Start(branches.Initial(slots.per_branch(branches.groups)),
+                                  carried.branches, carries.view({branches.groups, -1, 1}));
   const Tensor r0 = Neutral(z, carried.neutral);
-  const Tensor residual = Branches(z, carried.branches);
+  const Tensor residual = placed
+                              ? Branches(z.index_select(1, slots.window_of_place), carried.branches)
+                                    .index_select(1, slots.place_of_window)
+                              : Branches(z, carried.branches);
   const Tensor own = residual * slots.styled;
   return Decode(torch::cat({r0 + own, r0 + residual - own}, 1),
                 torch::cat({slots.input_one_hot, slots.target_one_hot}, 0));
 }
 
 Carried Generator::Start(const Slots& slots) const {
-  return {neutral.Initial(slots.count()).Concrete(),
-          branches.Initial(slots.count() / branches.groups).Concrete()};
+  Carried start;
+  start.neutral = neutral.Initial(slots.count()).Concrete();
+  start.branches = branches.Initial(slots.per_branch(branches.groups)).Concrete();
+  if (shape.contents > 0) {
+    start.recognizer = recognizer.Initial(slots.count()).Concrete();
+    start.age_s = torch::zeros({slots.count()}, parameters.flat().options());
+  }
+  return start;
+}
+
+void Carried::CopyFrom(const Carried& other) {
+  const torch::NoGradGuard no_grad;
+  const auto copy = [](const std::vector<Tensor>& from, const std::vector<Tensor>& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i].copy_(from[i]);
+  };
+  for (const auto [from, to] :
+       {std::pair(&other.neutral, &neutral), std::pair(&other.branches, &branches),
+        std::pair(&other.recognizer, &recognizer)}) {
+    copy(from->h, to->h);
+    copy(from->c, to->c);
+  }
+  if (age_s.defined()) age_s.copy_(other.age_s);
 }
 
 void SaveCarried(const Carried& carried, const std::string& prefix, Checkpoint& checkpoint) {
@@ -185,6 +241,10 @@ void SaveCarried(const Carried& carried, const std::string& prefix, Checkpoint& 
   t[prefix + "neutral.c"] = torch::stack(carried.neutral.c);
   t[prefix + "branches.h"] = torch::stack(carried.branches.h);
   t[prefix + "branches.c"] = torch::stack(carried.branches.c);
+  if (!carried.age_s.defined()) return;
+  t[prefix + "recognizer.h"] = torch::stack(carried.recognizer.h);
+  t[prefix + "recognizer.c"] = torch::stack(carried.recognizer.c);
+  t[prefix + "age_s"] = carried.age_s;
 }
 
 void RestoreCarried(const Checkpoint& checkpoint, const std::string& prefix, Carried& carried) {
@@ -201,20 +261,35 @@ void RestoreCarried(const Checkpoint& checkpoint, const std::string& prefix, Car
   unstack("neutral.c", carried.neutral.c);
   unstack("branches.h", carried.branches.h);
   unstack("branches.c", carried.branches.c);
+  if (!carried.age_s.defined()) return;
+  unstack("recognizer.h", carried.recognizer.h);
+  unstack("recognizer.c", carried.recognizer.c);
+  carried.age_s.copy_(checkpoint.tensors.at(prefix + "age_s"));
 }
 
 Status Generator::CopyStyles(const Generator& from, const std::vector<int64_t>& source) {
   const torch::NoGradGuard no_grad;
   const Tensor index = torch::tensor(source, torch::kInt64);
   const Tensor branch_index = index.narrow(0, 1, index.size(0) - 1) - 1;
+  const bool ignores_contents = from.shape.contents == 0 && shape.contents > 0;
   for (const auto& [name, tensor] : parameters.named()) {
+    if (ignores_contents && name.starts_with("recognizer.")) continue;
     Tensor value = from.parameters.Find(name).detach();
     if (name.starts_with("branches.")) value = value.index_select(0, branch_index);
     if (name == "encoder.0.weight" || name == "decoder.0.weight") {
-      const int64_t plain = value.size(1) - from.shape.styles;
-      value = torch::cat({value.narrow(1, 0, plain),
-                          value.narrow(1, plain, from.shape.styles).index_select(1, index)},
-                         1);
+      const int64_t after = name == "encoder.0.weight" ? from.shape.contents : 0;
+      const int64_t plain = value.size(1) - from.shape.styles - after;
+      std::vector<Tensor> parts{value.narrow(1, 0, plain),
+                                value.narrow(1, plain, from.shape.styles).index_select(1, index),
+                                value.narrow(1, value.size(1) - after, after)};
+      if (ignores_contents && name == "encoder.0.weight") {
+        parts.push_back(torch::zeros({value.size(0), shape.contents}, value.options()));
+      }
+      value = torch::cat(parts, 1);
+    }
+    const bool is_start = name.ends_with(".h0") || name.ends_with(".c0");
+    if (ignores_contents && name.starts_with("neutral.") && is_start) {
+      value = value.expand({shape.contents + 1, -1});
     }
     if (value.sizes() != tensor.sizes()) return Status::Error("tensor " + name + " does not fit");
     tensor.copy_(value);

@@ -25,7 +25,8 @@ struct Affine {
 };
 
 struct GeneratorShape {
-  int64_t styles = 7;  // neutral included
+  int64_t styles = 7;    // neutral included
+  int64_t contents = 0;  // that the encoder takes as input; 0: it takes none
   int64_t latent = erd::kPaper.latent;
   std::vector<int64_t> encoder{erd::kPaper.encoder};
   std::vector<int64_t> decoder{erd::kPaper.decoder.begin(), erd::kPaper.decoder.end()};
@@ -41,18 +42,23 @@ struct StackState {
   StackState Concrete() const;  // a copy of its own, without gradients
 };
 
-// A stack of LSTM layers for each of G groups, with learned initial states.
+// A stack of LSTM layers for each of G groups, with learned initial states: one for each group, or
+// `starts` of them if there is one group.
 struct Stack {
   int64_t groups = 1;
-  std::vector<torch::Tensor> input, hidden, bias, h0, c0;  // per layer, first dimension G
+  std::vector<torch::Tensor> input, hidden, bias;  // per layer, first dimension G
+  std::vector<torch::Tensor> h0, c0;               // per layer, [G or starts, Z]
 
   Stack() = default;
   Stack(Parameters& parameters, const std::string& name, int64_t groups, int64_t layers,
-        int64_t width);
-  // The learned states, for `samples` samples of each group.
+        int64_t width, int64_t starts = 1);
+  // The learned states, for `samples` samples of each group; the first of several.
   StackState Initial(int64_t samples) const;
-  // Those, but `carried` where `mask` [groups or 1, samples, 1] is set.
-  StackState Start(const StackState& carried, const torch::Tensor& mask) const;
+  // Of one group: the learned states `starts` [samples] int64.
+  StackState InitialOf(const torch::Tensor& starts) const;
+  // `initial`, but `carried` where `mask` [groups or 1, samples, 1] is set.
+  static StackState Start(const StackState& initial, const StackState& carried,
+                          const torch::Tensor& mask);
   // x [G, T, N, Z]; `state` is where the window starts and, detached, where it ended.
   torch::Tensor operator()(torch::Tensor x, StackState& state) const;
 };
@@ -64,31 +70,55 @@ struct Decoded {
   torch::Tensor height;      // [T, B, 1], standardized
 };
 
-// The slots of a batch, which keep their styles from one iteration to the next.
+// The styles of a batch's windows.
 struct Slots {
   torch::Tensor input, target;                  // [B] int64: styles; one of the two is neutral, 0
   torch::Tensor input_one_hot, target_one_hot;  // [B, styles]
   torch::Tensor styled;                         // [1, B, 1]: 1 where the input style is not neutral
+  // Each style branch processes equally many windows. Undefined: these are the batch's, in the
+  // order of styles. Otherwise [(styles - 1) * n] int64, the window in each place of a branch; and
+  // [B], the place of each window. Places that are left over have window 0.
+  torch::Tensor window_of_place, place_of_window;
 
   int64_t count() const { return input.size(0); }
+  int64_t per_branch(int64_t branches) const {
+    return (window_of_place.defined() ? window_of_place.size(0) : count()) / branches;
+  }
+};
+
+// The input of contents. Undefined tensors if the generator takes none.
+struct ContentInput {
+  torch::Tensor content;  // [T, B, C]: the label, scaled by how certain it is; zeros: unknown
+  torch::Tensor start;    // [B] int64: the initial state of the neutral branch; C: unknown
 };
 
 // Where each slot's last window ended.
 struct Carried {
   StackState neutral, branches;
+  // With a content input: of the recognizer, and the age of its states in seconds, [B].
+  StackState recognizer;
+  torch::Tensor age_s;
+
+  // Copies the states to where those of this are in memory.
+  void CopyFrom(const Carried& other);
 };
 // As tensors of a checkpoint whose names begin with `prefix`. RestoreCarried throws (c10::Error) if
 // it finds states of another batch; `carried` must have the shape of this one.
 void SaveCarried(const Carried& carried, const std::string& prefix, Checkpoint& checkpoint);
 void RestoreCarried(const Checkpoint& checkpoint, const std::string& prefix, Carried& carried);
 
-// Encoder, neutral branch, style branches, decoder of model/net/erd/FORMAT.md, no content input.
+// Encoder, neutral branch, style branches, decoder and the recognizer of contents of
+// model/net/erd/FORMAT.md.
 class Generator {
  public:
   Generator(const GeneratorShape& shape, const torch::Tensor& mean, const torch::Tensor& deviation);
 
-  // u [T, B, 211] standardized features, styles [B] int64: z [T, B, Z].
-  torch::Tensor Encode(const torch::Tensor& u, const torch::Tensor& styles) const;
+  // u [T, B, 211] standardized features, one_hot [B, N] of the styles, content [T, B, C] or
+  // undefined: z [T, B, Z].
+  torch::Tensor Encode(const torch::Tensor& u, const torch::Tensor& one_hot,
+                       const torch::Tensor& content) const;
+  // The recognizer's logits for each content, [T, B, C], of frames 0..t alone at t.
+  torch::Tensor Recognize(const torch::Tensor& u, StackState& state) const;
   // z [T, B, Z] of all samples.
   torch::Tensor Neutral(const torch::Tensor& z, StackState& state) const;
   // z [T, (styles-1) * n, Z], ordered by style: each block of n goes through its own branch.
@@ -100,22 +130,26 @@ class Generator {
   // windows are reconstructed by r_0 alone and transferred with their slot's branch, styled ones
   // the other way. `goes_on` [B] bool: the windows that start from `carried`, which is updated to
   // their ends.
-  Decoded Transfer(const torch::Tensor& u, const Slots& slots, const torch::Tensor& goes_on,
-                   Carried& carried) const;
+  Decoded Transfer(const torch::Tensor& u, const Slots& slots, const ContentInput& content,
+                   const torch::Tensor& goes_on, Carried& carried) const;
   // Learned states for all slots, without gradients.
   Carried Start(const Slots& slots) const;
   // Copies the part shared by all styles from `from`, a generator of the same widths, and for style
-  // i of this one the branch and input columns of its style `source[i]`. Errors name the tensor.
+  // i of this one the branch and input columns of its style `source[i]`. Where only this one takes
+  // contents, it ignores them at first, and its recognizer is left as it is. Errors name the
+  // tensor.
   Status CopyStyles(const Generator& from, const std::vector<int64_t>& source);
 
   Parameters parameters;
   GeneratorShape shape;
-  Stack neutral, branches;
+  Stack neutral, branches, recognizer;  // the last with a content input only
 
  private:
+  void AddRecognizer();
+
   torch::Tensor rotation_mean_, rotation_deviation_;
-  std::vector<Affine> encoder_, decoder_;
-  Affine rotation_, velocity_, height_;
+  std::vector<Affine> encoder_, decoder_, recognizer_;
+  Affine rotation_, velocity_, height_, recognized_;
 };
 
 // FT-Att discriminator D_S(p, v | S, C), eq. 1. x [24, B, 126] standardized positions and

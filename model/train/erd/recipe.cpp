@@ -50,7 +50,7 @@ class StyleErdRecipe : public Recipe {
   Status Start() override;
   void Step(double progress) override { learner_.Step(progress); }
   int64_t iteration() const override { return learner_.iteration(); }
-  Figures PopLosses(int iterations) override { return learner_.tally().PopMeans(iterations); }
+  Figures PopLosses(int /*iterations*/) override { return learner_.means().Pop(); }
   bool Finite() const override { return learner_.Finite(); }
   MonitorReport Monitor() const override { return monitor_.Evaluate(learner_.average()); }
   void Save(double wall_time_s, Checkpoint& checkpoint) const override;
@@ -164,6 +164,10 @@ std::string StyleErdRecipe::Metadata(double wall_time_s) const {
   }
   metadata.rate_hz = config_.rate_hz;
   metadata.heading_tau_s = config_.heading_tau_s;
+  if (learner_.average().shape.contents > 0) {
+    metadata.contents = manifest().contents;
+    metadata.content_rise_s = config_.content_rise_s;
+  }
   metadata.licence = manifest().licence;
   metadata.training = training.dump();
   return metadata.ToJson(learner_.average().shape);
@@ -181,11 +185,33 @@ void StyleErdRecipe::Save(double wall_time_s, Checkpoint& checkpoint) const {
   checkpoint.tensors["weights"] = all->parameters.flat();
 }
 
+// Contents are inputs by their places, so those of `init` must be the manifest's. Weights without
+// them can be given some.
+Status CheckInitContents(const Config& config, const LoadedWeights& init,
+                         const clip::Manifest& manifest) {
+  const auto found =
+      nlohmann::json::parse(init.metadata).at("contents").get<std::vector<std::string>>();
+  if (found.empty() || (config.content_input && found == manifest.contents)) return Status::Ok();
+  if (!config.content_input) {
+    return Status::Error("--init " + config.init.string() +
+                         ": takes contents as input; give --content-input 1");
+  }
+  const auto list = [](const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+  };
+  return Status::Error("--init " + config.init.string() + ": contents: found " + list(found) +
+                       "; expected the manifest's: " + list(manifest.contents));
+}
+
 // The statistics and parameters of `init`, which must fit the flags.
 Status UseInit(const Config& config, Inputs& inputs) {
   Result<LoadedWeights> loaded = ReadWeights(config.init);
   if (!loaded.ok()) return Status::Error("--init " + loaded.status().message());
   const LoadedWeights& init = inputs.init.emplace(std::move(loaded.value()));
+  const Status contents = CheckInitContents(config, init, inputs.data.manifest);
+  if (!contents.ok()) return contents;
   inputs.shape = init.generator->shape;
   if (init.features.rate_hz != inputs.parameters.rate_hz ||
       init.features.heading_tau_s != inputs.parameters.heading_tau_s) {

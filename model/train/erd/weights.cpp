@@ -30,15 +30,20 @@ NamedTensors FormatTensors(const Generator& generator) {
         tensors.emplace_back(prefix + "input", stack.input[layer][group]);
         tensors.emplace_back(prefix + "hidden", stack.hidden[layer][group]);
         tensors.emplace_back(prefix + "bias", stack.bias[layer][group]);
-        tensors.emplace_back(prefix + "h0", stack.h0[layer][group]);
-        tensors.emplace_back(prefix + "c0", stack.c0[layer][group]);
+        const bool several = stack.h0[layer].size(0) > stack.groups;  // [starts, Z]
+        tensors.emplace_back(prefix + "h0", several ? stack.h0[layer] : stack.h0[layer][group]);
+        tensors.emplace_back(prefix + "c0", several ? stack.c0[layer] : stack.c0[layer][group]);
       }
     }
   };
   add_stack(generator.neutral, 0);
   add_stack(generator.branches, 1);
+  constexpr std::string_view kRecognizer = "recognizer.lstm.";  // of one layer and one group
   for (const auto& [name, tensor] : generator.parameters.named()) {
-    if (!name.starts_with("neutral.") && !name.starts_with("branches.")) {
+    if (name.starts_with("neutral.") || name.starts_with("branches.")) continue;
+    if (name.starts_with(kRecognizer)) {
+      tensors.emplace_back(std::string(kRecognizer) + name.substr(name.rfind('.') + 1), tensor[0]);
+    } else {
       tensors.emplace_back(name, tensor);
     }
   }
@@ -75,7 +80,8 @@ std::string WeightsMetadata::ToJson(const GeneratorShape& shape) const {
   for (const auto& [name, aliases] : styles) {
     json["styles"].push_back(Json{{"name", name}, {"aliases", aliases}});
   }
-  json["contents"] = Json::array();
+  json["contents"] = contents;
+  if (!contents.empty()) json["content_rise_s"] = content_rise_s;
   json["rate_hz"] = rate_hz;
   json["heading_tau_s"] = heading_tau_s;
   json["latent"] = shape.latent;
@@ -94,6 +100,7 @@ Result<GeneratorShape> ShapeFromJson(const std::string& text) {
     const Json json = Json::parse(text);
     GeneratorShape shape;
     shape.styles = static_cast<int64_t>(json.at("styles").size());
+    shape.contents = static_cast<int64_t>(json.at("contents").size());
     shape.latent = json.at("latent");
     shape.encoder = json.at("encoder").get<std::vector<int64_t>>();
     shape.decoder = json.at("decoder").get<std::vector<int64_t>>();

@@ -181,6 +181,48 @@ std::filesystem::path WithNewStyle(const std::filesystem::path& root, bool odd_t
   return file;
 }
 
+// With a content input all that the recognizer needs is in the checkpoint, too; in pairs, each
+// batch has its own styles.
+TEST_F(Run, WithContentsOrPairsResumedIsBitForBitTheSame) {
+  RunFlags contents = Config("contents");
+  contents.content_input = true;
+  Check(Train(contents));
+  ExpectPartsAreTheSame(contents, 4);
+
+  std::filesystem::remove_all(root_ / "parts");
+  RunFlags pairs = Config("pairs");
+  AsInThePaper(pairs);
+  Check(Train(pairs));
+  ExpectPartsAreTheSame(pairs, 4);
+
+  Checkpoint checkpoint;
+  Check(ReadCheckpoint(pairs.out / "checkpoint.pt", checkpoint));
+  EXPECT_TRUE(torch::equal(checkpoint.tensors.at("generator"), checkpoint.tensors.at("average")))
+      << "the paper has no running mean";
+}
+
+TEST_F(Run, WeightsOfOtherContentsAreRefused) {
+  RunFlags config = Config("contents");
+  config.content_input = true;
+  config.iterations = 1;
+  Check(Train(config));
+  config.init = config.out / "weights.safetensors";
+  config.out = root_ / "second";
+  Check(Train(config));
+  config.out = root_ / "third";
+  config.content_input = false;
+  EXPECT_THAT(Train(config).message(), testing::HasSubstr("give --content-input 1"));
+  config.content_input = true;
+  std::ifstream in(config.manifest);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  text.replace(text.find("name = \"wave\""), 13, "name = \"hail\"");
+  config.manifest = root_ / "hail.toml";
+  std::ofstream(config.manifest) << text;
+  EXPECT_THAT(
+      Train(config).message(),
+      testing::HasSubstr("contents: found walk, wave; expected the manifest's: walk, hail"));
+}
+
 // A third style is added to trained weights: what they had stays, the new one begins as the odd
 // one.
 TEST_F(Run, ARunStartsFromWeights) {
@@ -202,9 +244,10 @@ TEST_F(Run, ARunStartsFromWeights) {
     const torch::NoGradGuard no_grad;
     const Generator& generator = *weights.generator;
     const Tensor u = torch::ones({5, 1, erd::kFeatureCount}) * 0.3;
-    const Tensor z = generator.Encode(u, torch::zeros({1}, torch::kInt64));
-    StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
     const int64_t branches = generator.branches.groups;
+    const Tensor is_neutral = torch::one_hot(torch::tensor({0}), branches + 1).to(torch::kFloat32);
+    const Tensor z = generator.Encode(u, is_neutral, {});
+    StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
     const Tensor residual =
         generator.Branches(z.repeat({1, branches, 1}), branch).narrow(1, style - 1, 1);
     const Tensor target = torch::one_hot(torch::tensor({style}), branches + 1).to(torch::kFloat32);
@@ -551,7 +594,7 @@ void ExpectRuntimeAgrees(const std::filesystem::path& run, const std::filesystem
   FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.features(),
              {.features = features.data_ptr<float>()});
   const Tensor z =
-      generator.Encode((features - mean) / deviation, torch::zeros({1}, torch::kInt64));
+      generator.Encode((features - mean) / deviation, torch::tensor({{1.0F, 0.0F}}), {});
   StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
   const Tensor r0 = generator.Neutral(z, neutral);
   const Tensor zs = r0 + generator.Branches(z, branch);
