@@ -33,7 +33,7 @@ struct MonitorReport {
 // message names the flag or the file. Any function may also throw libtorch's exceptions (a
 // std::exception); the trainer ends the run with its message, and the last checkpoint stays.
 //
-// Given the same flags, data, seed and device, the iterations after Restore must be bit for bit
+// Given the same flags, data and seed, the iterations after Restore on a CPU must be bit for bit
 // those that would have followed Save: everything that the next Step depends on is in the
 // checkpoint, or is seeded by the iteration. Pinned by tests/unit/train/run_test.cpp.
 class Recipe {
