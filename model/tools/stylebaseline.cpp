@@ -48,6 +48,7 @@ std::shared_ptr<train::baselines::Baseline> MakeNetwork(const Arguments& argumen
     macs = train::baselines::HoldenMacs();
     return train::baselines::MakeHolden(material, arguments.style_weight, arguments.seed);
   }
+  if (arguments.design == "neighbours") return train::baselines::MakeNeighbours(material);
   const int channels = train::baselines::AbermanChannels(arguments.macs);
   macs = train::baselines::AbermanMacs(channels);
   return train::baselines::MakeAberman(material, channels, arguments.seed);
@@ -100,9 +101,11 @@ Status Run(const Arguments& arguments, const std::string& command) {
   const train::baselines::Material material(data.manifest, clips);
   double macs = 0;
   const auto network = MakeNetwork(arguments, material, macs);
-  std::printf("%s: %.1f million multiply-adds for a window of 64 frames\n",
-              arguments.design.c_str(), 1e-6 * macs);
-  json["multiply_adds"] = macs;
+  if (macs > 0) {
+    std::printf("%s: %.1f million multiply-adds for a window of 64 frames\n",
+                arguments.design.c_str(), 1e-6 * macs);
+    json["multiply_adds"] = macs;
+  }
   network->TrainOrLoad(arguments.budget,
                        std::filesystem::path(arguments.out) / (arguments.design + ".pt"));
   const Status judged = Judge(arguments, data, network, json);
@@ -134,9 +137,9 @@ void AddTrainingOptions(CLI::App& app, Arguments& arguments) {
 }
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("--design", arguments.design, "aberman or holden")
+  app.add_option("--design", arguments.design, "aberman, holden or neighbours")
       ->required()
-      ->check(CLI::IsMember({"aberman", "holden"}));
+      ->check(CLI::IsMember({"aberman", "holden", "neighbours"}));
   app.add_option("--manifest", arguments.manifest, "Data set (TOML)")->required();
   app.add_option("--data", arguments.data, "Folder that the manifest's paths start from")
       ->required();

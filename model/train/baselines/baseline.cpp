@@ -127,6 +127,7 @@ void Baseline::TrainOrLoad(const Budget& budget, const std::filesystem::path& fi
     archive.save_to(file.string());
   }
   networks().eval();
+  Prepare();
   ComputeMeanCodes();
 }
 

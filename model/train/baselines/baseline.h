@@ -70,6 +70,7 @@ class Baseline : public net::ClipStylizer {
   // `seed`: of the weights at the start, which the derived class makes next, and of the training.
   Baseline(const Material& material, std::uint64_t seed);
   virtual void Train(const Budget& budget) = 0;
+  virtual void Prepare() {}  // what is computed of the material, trained or read
   virtual torch::nn::Module& networks() = 0;
 
   const Material& material_;
@@ -102,6 +103,14 @@ std::unique_ptr<Baseline> MakeHolden(const Material& material, double style_weig
                                      std::uint64_t seed = 1);
 // Multiply-adds for a window of 64 frames: encoder, decoder and the descent between them.
 double HoldenMacs();
+
+// After Xia et al. 2015, "Realtime Style Transfer for Unlabeled Heterogeneous Human Motion":
+// nothing is trained. Of each frame, with four before it, the nearest neutral frames of the clips
+// are found, and it is turned by the mean difference to their likes in the style, smoothed over
+// time. Where the paper registers clips in time, a frame's like is the nearest of its content
+// without the styles' means; where the paper fits autoregressive models to the neighbours, this
+// takes their mean.
+std::unique_ptr<Baseline> MakeNeighbours(const Material& material);
 
 // Calls `step(progress)`, 0 to 1, until the budget is spent, and prints `state()` to stderr now and
 // then.

@@ -114,6 +114,31 @@ TEST_F(BaselinesTest, TrainingReproducesClipsAndIsReadAgain) {
   }
 }
 
+// The two styles of the clips differ by a constant: neighbours find it, of a clip that they do not
+// have, and half of it at half the strength.
+TEST_F(BaselinesTest, NeighboursTurnAFrameAsTheirStyleDiffers) {
+  const Material material(manifest, clips);
+  const torch::NoGradGuard no_grad;
+  const auto network = MakeNeighbours(material);
+  network->TrainOrLoad({}, folder / "n");
+  const torch::Tensor clip = network->Read(Clip(0, 64, 0.3F).poses, nullptr);
+  const torch::Tensor real = network->Read(Clip(1, 64, 0.3F).poses, nullptr);
+  const auto styled = [&](float strength) {
+    net::StyleRequest request{.sources = {{.style = 1, .seed = {}, .reference = {}}}};
+    request.strength = strength;
+    const net::StyleCode code = network->MakeCode(request);
+    return network->Styled(clip, torch::tensor(code));
+  };
+  const double apart = (real - clip).square().mean().item<double>();
+  EXPECT_LT((styled(1) - real).square().mean().item<double>(), 0.3 * apart);
+  EXPECT_TRUE(torch::allclose(styled(0.5F) - clip, 0.5 * (styled(1) - clip), 1e-4, 1e-4));
+  EXPECT_TRUE(torch::equal(styled(0), clip));
+  const std::vector<body::Pose> example = Clip(1, 64, 0.1F).poses;
+  const net::StyleCode of_example =
+      network->MakeCode({.sources = {{.style = -1, .seed = {}, .reference = example}}});
+  EXPECT_EQ(network->Nearest(of_example).style, 1) << "without a label";
+}
+
 TEST_F(BaselinesTest, AFileOfAnotherNetworkOrOfOtherClipsIsRefused) {
   const Material material(manifest, clips);
   const std::string file = folder / "a";
