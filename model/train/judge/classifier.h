@@ -14,7 +14,7 @@
 namespace styled::judge {
 
 // The shared part of the judges: a classifier of windows, the drawing of windows, and the training.
-// Internal: of all headers of this folder only this one uses libtorch.
+// Internal: of all headers of this folder only this one and auto_encoder.h use libtorch.
 
 inline constexpr float kFeatureNoise = 0.15F;  // on standardized features, during training
 

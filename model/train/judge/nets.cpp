@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "model/train/judge/auto_encoder.h"
 #include "model/train/judge/classifier.h"
 
 namespace styled::judge {
@@ -16,37 +17,6 @@ namespace {
 // styles; half a deviation worked best for styles left out of its training.
 constexpr float kStyleOffset = 1.0F;
 constexpr float kContentOffset = 0.5F;
-constexpr float kRotationNoise = 0.03F;  // the auto-encoder's, on quaternions
-
-// The denoising auto-encoder over rotations, [N, 4J, T] with T a multiple of 4.
-struct AutoEncoderImpl : torch::nn::Module {
-  AutoEncoderImpl() {
-    using namespace torch::nn;  // NOLINT
-    const int c = erd::kRotationFeatures;
-    encoder = register_module(
-        "encoder",
-        Sequential(Conv1d(Conv1dOptions(c, 128, 4).stride(4)), BatchNorm1d(128), ReLU(),
-                   Conv1d(Conv1dOptions(128, 256, 3).dilation(2)), BatchNorm1d(256), ReLU(),
-                   Conv1d(Conv1dOptions(256, 512, 2)), BatchNorm1d(512), ReLU()));
-    decoder = register_module(
-        "decoder",
-        Sequential(ConvTranspose1d(ConvTranspose1dOptions(512, 256, 2)), BatchNorm1d(256), ReLU(),
-                   ConvTranspose1d(ConvTranspose1dOptions(256, 128, 3).dilation(2)),
-                   BatchNorm1d(128), ReLU(),
-                   ConvTranspose1d(ConvTranspose1dOptions(128, c, 4).stride(4))));
-  }
-  torch::nn::Sequential encoder{nullptr}, decoder{nullptr};
-};
-TORCH_MODULE(AutoEncoder);
-
-torch::Tensor QuaternionLoss(const torch::Tensor& expected, const torch::Tensor& found) {
-  const auto quaternions = [](const torch::Tensor& x) {  // [N, 4J, T] -> unit, [N, J, 4, T]
-    const torch::Tensor q = x.view({x.size(0), body::kJointCount, 4, x.size(2)});
-    return q / q.norm(2, {2}, true).clamp_min(1e-6);
-  };
-  const torch::Tensor dot = (quaternions(expected) * quaternions(found)).sum(2).abs();
-  return dot.clamp_max(1 - 1e-6).acos().square().mean();  // eq. 2
-}
 
 }  // namespace
 
@@ -120,12 +90,7 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
         torch::nn::functional::cross_entropy(style(with_offset(kStyleOffset)), style_label);
     content_loss =
         torch::nn::functional::cross_entropy(content(with_offset(kContentOffset)), content_label);
-    const torch::Tensor r = Rotations(windows);
-    const torch::Tensor corrupt = r + kRotationNoise * torch::randn_like(r) - RotationMean();
-    const torch::Tensor decoded =
-        encoder->decoder->forward(encoder->encoder->forward(corrupt)) + RotationMean();
-    encoder_loss = QuaternionLoss(r, decoded);
-
+    encoder_loss = encoder->Loss(Rotations(windows), RotationMean());
     return style_loss + content_loss + encoder_loss;
   };
   const auto state = [&] {
@@ -216,8 +181,8 @@ Verdicts Judges::Judge(const Sequence& sequence, int stride) const {
   const torch::Tensor pooled = impl_->content->Pool(x);
   verdicts.content = Answers(impl_->content->head(pooled));
   verdicts.content_features = Rows(pooled.slice(1, 0, pooled.size(1) / 2));
-  verdicts.embedding = Rows(
-      impl_->encoder->encoder->forward(impl_->Rotations(windows) - impl_->RotationMean()).mean(2));
+  verdicts.embedding =
+      Rows(impl_->encoder->Encode(impl_->Rotations(windows) - impl_->RotationMean()).mean(2));
   return verdicts;
 }
 
