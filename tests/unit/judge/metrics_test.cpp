@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/unit/judge/plain_frechet.h"
+
 namespace styled::judge {
 namespace {
 
@@ -85,6 +87,26 @@ TEST(FrechetDistance, SeesACorrelationThatMeansAndDeviationsDoNot) {
   Eigen::MatrixXd b = a;
   b.col(1) = b.col(0);
   EXPECT_GT(FrechetDistance(a, b), 0.5);
+}
+
+TEST(FrechetDistance, IsItsFormulaWithAnEigenDecompositionOfTheTest) {
+  Eigen::MatrixXd mix(5, 5);
+  for (int i = 0; i < 25; ++i) mix(i / 5, i % 5) = std::sin(1.0 + i * i);
+  const Eigen::MatrixXd a =
+      Gaussian(60, Vector({1, 0, 2, 0, 0}), Vector({1, 2, 0.5, 1, 3}), 4) * mix;
+  const Eigen::MatrixXd b =
+      Gaussian(40, Vector({0, 0, 1, 5, 0}), Vector({2, 1, 0.5, 1, 1}), 5) * mix.transpose();
+  EXPECT_NEAR(FrechetDistance(a, b), PlainFrechet(a, b), 1e-8);
+  EXPECT_GT(FrechetDistance(a, b), 1);
+}
+
+TEST(Pca, ItsAxesSpanTheDirectionsOfLargestVariance) {
+  const Eigen::MatrixXd samples = Gaussian(12, Eigen::RowVectorXd::Constant(40, 3.0),
+                                           Eigen::RowVectorXd::LinSpaced(40, 0.1, 2), 6);
+  const Pca pca = FitPca(samples, 4);
+  const Eigen::MatrixXd axes = PlainAxes(samples, 4);
+  EXPECT_LT((pca.axes * pca.axes.transpose() - axes * axes.transpose()).norm(), 1e-8);
+  EXPECT_LT((pca.mean - samples.colwise().sum() / 12).norm(), 1e-12);
 }
 
 TEST(Pca, FindsTheAxisOfLargestVariance) {

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "model/clip/clip.h"
+#include "tests/unit/judge/plain_frechet.h"
 #include "tests/unit/train/walker.h"
 
 namespace styled::judge {
@@ -62,6 +63,74 @@ TEST_F(EvaluatorTest, AStyleIsNotJudgedInAContentWhereTheJudgeHasNeverSeenIt) {
   const std::vector<double>& taken_for = both.styles[kOdd].taken_for;
   EXPECT_NEAR(std::accumulate(taken_for.begin(), taken_for.end(), 0.0), 1, 1e-9);
   EXPECT_NEAR(taken_for[kOdd], both.styles[kOdd].sra.value, 1e-9);
+}
+
+// One act in two styles; long clips, since FMD takes at least 64 windows.
+struct FmdTest : EvaluatorTest {
+  static train::TrainingClip Odd(int style, int frames, float phase) {
+    train::TrainingClip clip = train::Walker(frames, phase);
+    clip.style = style;
+    for (std::size_t t = 0; t < clip.poses.size(); ++t) {  // no two windows are alike
+      const auto bend = static_cast<float>(style * 0.4 + 0.3 * std::sin(0.013 * t * t / 50));
+      body::Quat& spine = clip.poses[t].rotations[body::kSpine];
+      spine = spine * body::Exp(body::Vec3(bend, 0.2F * bend, 0));
+    }
+    return clip;
+  }
+};
+
+// Features of windows at the places that are compared: as many on either side, evenly spread.
+Eigen::MatrixXd Spread(const Eigen::MatrixXd& rows, Eigen::Index count) {
+  Eigen::MatrixXd out(count, rows.cols());
+  for (Eigen::Index i = 0; i < count; ++i) out.row(i) = rows.row(rows.rows() * i / count);
+  return out;
+}
+
+TEST_F(FmdTest, IsThePlainDistanceOfTheAutoEncodersFeaturesOnThirtyTwoAxes) {
+  manifest.contents = {"walk"};
+  const std::vector<train::TrainingClip> train{Odd(0, 200, 0), Odd(1, 1700, 1)};
+  const std::vector<train::TrainingClip> judge{Odd(0, 1000, 2), Odd(1, 1000, 3)};
+  const std::vector<train::TrainingClip> validation{Odd(0, 200, 4), Odd(1, 700, 5)};
+  const auto made =
+      Judges::TrainOrLoad(judge, 2, 1, {.iterations = 20, .batch = 8}, cache, "one act");
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  const Judges& judges = made.value();
+  const Evaluator evaluator(manifest, judges, train, judge, validation);
+  const Poses input = clip::ResamplePoses(Odd(0, 620, 6).poses, kJudgeRate_hz, kStreamRate_hz);
+  const Poses output = clip::ResamplePoses(Odd(1, 620, 7).poses, kJudgeRate_hz, kStreamRate_hz);
+  const Transferred transferred{.style = 1, .input = input, .output = output};
+  const StyleFigures figures = evaluator.Measure("odd", std::span(&transferred, 1)).styles[1];
+
+  const auto look = [&](std::span<const body::Pose> poses, int style, int stride) {
+    return judges.Judge(MakeSequence(poses, style, 0, false, judges.parameters()), stride);
+  };
+  const auto thin = [](const Poses& poses) {
+    Poses out;
+    for (std::size_t i = 0; i < poses.size(); i += 4) out.push_back(poses[i]);
+    return out;
+  };
+  const Verdicts out = look(thin(output), 1, 8), in = look(thin(input), 1, 8);
+  const Verdicts real = look(validation[1].poses, 1, 8), other = look(train[1].poses, 1, 24);
+  const Verdicts judged_0 = look(judge[0].poses, 0, 24), judged_1 = look(judge[1].poses, 1, 24);
+  Eigen::MatrixXd samples(judged_0.embedding.rows() + judged_1.embedding.rows(), 512);
+  samples << judged_0.embedding, judged_1.embedding;
+  const Eigen::MatrixXd axes = PlainAxes(samples, 32);
+  const Eigen::Index count = std::min(
+      {out.embedding.rows(), in.embedding.rows(), real.embedding.rows(), other.embedding.rows()});
+  EXPECT_EQ(figures.fmd_windows, count);
+  ASSERT_GE(count, 64);
+  const auto fmd = [&](const Verdicts& of) {
+    return PlainFrechet(Spread(of.embedding, count) * axes, Spread(real.embedding, count) * axes);
+  };
+  EXPECT_NEAR(figures.fmd, fmd(out), 1e-4 * fmd(out));
+  EXPECT_NEAR(figures.fmd_real, fmd(other), 1e-4 * fmd(other));
+  EXPECT_NEAR(figures.fmd_neutral, fmd(in), 1e-4 * fmd(in));
+  const auto content_fmd = [&](const Verdicts& of) {
+    return PlainFrechet(Spread(of.content_features, count), Spread(real.content_features, count));
+  };
+  EXPECT_NEAR(figures.content_fmd, content_fmd(out), 1e-4 * content_fmd(out));
+  EXPECT_NEAR(figures.content_fmd_real, content_fmd(other), 1e-4 * content_fmd(other));
+  EXPECT_NEAR(figures.content_fmd_neutral, content_fmd(in), 1e-4 * content_fmd(in));
 }
 
 }  // namespace
