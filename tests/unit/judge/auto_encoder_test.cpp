@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "model/net/erd/features.h"
+#include "model/train/judge/classifier.h"
 
 namespace styled::judge {
 namespace {
@@ -49,6 +50,28 @@ TEST(AutoEncoderTest, RestoresRotationsFromSuchWithNoise) {
   EXPECT_NEAR(loss, LossByLoops(r, decoded), 1e-5);
   const Tensor without = network->decoder->forward(network->encoder->forward(r - mean)) + mean;
   EXPECT_GT(std::abs(loss - LossByLoops(r, without)), 5e-5) << "the noise shows";
+}
+
+TEST(ClassifierTest, PoolsMeanAndMaximumOverTime) {
+  torch::manual_seed(4);
+  const torch::NoGradGuard no_grad;
+  Classifier classifier(10, 3);
+  classifier->eval();
+  const Tensor x = torch::randn({2, 10, 32}), map = classifier->layers->forward(x);
+  const Tensor pooled = classifier->Pool(x);
+  for (int64_t n = 0; n < 2; ++n) {
+    for (int64_t c = 0; c < 128; ++c) {
+      double sum = 0, most = -1e9;
+      for (int64_t t = 0; t < map.size(2); ++t) {
+        const double value = map[n][c][t].item<double>();
+        sum += value;
+        most = std::max(most, value);
+      }
+      EXPECT_NEAR(pooled[n][c].item<double>(), sum / static_cast<double>(map.size(2)), 1e-6);
+      EXPECT_NEAR(pooled[n][128 + c].item<double>(), most, 1e-6);
+    }
+  }
+  EXPECT_TRUE(torch::allclose(classifier->forward(x), classifier->head(pooled)));
 }
 
 }  // namespace

@@ -91,6 +91,35 @@ TEST(Dataset, StatisticsStandardizeAndKeepTheirFloors) {
   EXPECT_NEAR(statistics.mean[erd::kPositionBegin + 3 * body::kHead], 0.0F, 1e-4);
 }
 
+// Over the frames from the second on, mirror images too.
+TEST(Dataset, StatisticsAreMeansAndDeviationsOfAllFramesWithAVelocity) {
+  const std::vector<TrainingClip> clips{Walker(30), Walker(50, 1.0F)};
+  const FeatureStatistics statistics = ComputeStatistics(clips, {});
+  erd::FeatureParameters parameters;
+  SetHemisphere(statistics.mean, parameters);
+  for (int i = 0; i < erd::kFeatureCount; ++i) {
+    double sum = 0, square = 0, count = 0;
+    for (const TrainingClip& clip : clips) {
+      const int length = static_cast<int>(clip.poses.size());
+      std::vector<float> window(static_cast<std::size_t>(length) * erd::kFeatureCount);
+      for (const bool mirrored : {false, true}) {
+        FillWindow(clip, 0, length, mirrored, false, parameters, {.features = window.data()});
+        for (int t = 1; t < length; ++t) {
+          const double x = window[static_cast<std::size_t>(t * erd::kFeatureCount + i)];
+          sum += x;
+          square += x * x;
+          count += 1;
+        }
+      }
+    }
+    const double deviation = std::sqrt(std::max(0.0, square / count - std::pow(sum / count, 2)));
+    EXPECT_NEAR(statistics.mean[i], sum / count, 1e-5) << i;
+    if (deviation > 0.1) {
+      EXPECT_NEAR(statistics.deviation[i], deviation, 1e-4) << i;
+    }
+  }
+}
+
 // A walker that comes back to its first pose after 20 frames, 0.6 m on and turned by 30 degrees.
 TEST(Dataset, ALoopGoesOnAlongItsPath) {
   std::vector<body::Pose> loop(21);

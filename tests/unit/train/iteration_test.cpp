@@ -35,6 +35,8 @@ class ErdIteration : public testing::Test {
     config_.window = 6;
     config_.per_style = 2;
     config_.unpaired = 0.7;
+    config_.w_velocity = 0.07;
+    config_.w_height = 0.04;
   }
 
   std::unique_ptr<Learner> Make() {
@@ -362,6 +364,26 @@ TEST_F(ErdIteration, ThePenaltyHasItsInterval) {
     const bool penalized = std::any_of(figures.begin(), figures.end(),
                                        [](const auto& row) { return row.first == "penalty"; });
     EXPECT_EQ(penalized, i % 3 == 0) << i;
+  }
+}
+
+// Adam's first step is as long as its rate; the exported mean is over few iterations at first.
+TEST_F(ErdIteration, RatesFallLinearlyAndTheMeanFollowsTheWeights) {
+  config_.decay_from = 0.5;
+  config_.decay_to = 0.2;
+  for (const auto& [progress, share] : {std::pair{0.4, 1.0}, {0.75, 0.6}, {1.0, 0.2}}) {
+    const auto learner = Make();
+    const Checkpoint before = StateOf(*learner);
+    learner->Step(progress);
+    const Checkpoint after = StateOf(*learner);
+    const auto moved = [&](const std::string& name) {
+      return (after.tensors.at(name) - before.tensors.at(name)).abs().max().item<double>();
+    };
+    EXPECT_NEAR(moved("generator"), config_.generator_rate * share, 1e-6) << progress;
+    EXPECT_NEAR(moved("critic"), config_.critic_rate * share, 1e-6) << progress;
+    const Tensor mean =
+        before.tensors.at("generator") * (2.0 / 11) + after.tensors.at("generator") * (9.0 / 11);
+    EXPECT_LT((after.tensors.at("average") - mean).abs().max().item<double>(), 1e-6);
   }
 }
 

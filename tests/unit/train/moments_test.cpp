@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "tests/unit/train/walker.h"
 
 namespace styled::train::style_erd {
@@ -41,6 +44,39 @@ TEST(Moments, AnEffectIsMeasuredWithinAFolder) {
   EXPECT_EQ(one.known[1][1].item<float>(), 0.0F) << "no clip of that content";
   EXPECT_EQ(none.known[1][0].item<float>(), 0.0F) << "the folders share no cell";
   EXPECT_EQ(one.moments[0].abs().max().item<float>(), 0.0F);
+}
+
+// The means and deviations of r (times 0.3 m) and p over each window, mirrored ones too, in the
+// mean; then styled less neutral.
+TEST(Moments, AnEffectIsADifferenceOfMeansAndDeviations) {
+  const TrainingClip neutral = Clip(0, 0, 0, 0), styled = Clip(0, 1, 0, 0.5F);
+  const auto moments = [](const TrainingClip& clip, int place) {
+    std::array<double, 2> sum{};
+    int windows = 0;
+    std::vector<float> window(static_cast<std::size_t>(kLength) * erd::kFeatureCount);
+    for (int start = 0; start + kLength <= 100; start += kLength / 2) {
+      for (const bool mirrored : {false, true}) {
+        FillWindow(clip, start, kLength, mirrored, false, {}, {.features = window.data()});
+        const auto at = [&](int t) {
+          return (place < erd::kRotationFeatures ? 0.3 : 1.0) *
+                 window[static_cast<std::size_t>(t * erd::kFeatureCount + place)];
+        };
+        double mean = 0, square = 0;
+        for (int t = 0; t < kLength; ++t) mean += at(t) / kLength;
+        for (int t = 0; t < kLength; ++t) square += std::pow(at(t) - mean, 2) / kLength;
+        sum[0] += mean;
+        sum[1] += std::sqrt(square + 1e-6);
+        ++windows;
+      }
+    }
+    return std::array{sum[0] / windows, sum[1] / windows};
+  };
+  const Tensor effect = Effects({neutral, styled}).moments[1][0];
+  for (int place = 0; place < kEffectFeatures; ++place) {
+    const auto was = moments(neutral, place), is = moments(styled, place);
+    EXPECT_NEAR(effect[place].item<double>(), is[0] - was[0], 1e-5) << place;
+    EXPECT_NEAR(effect[kEffectFeatures + place].item<double>(), is[1] - was[1], 1e-5) << place;
+  }
 }
 
 // A generator that can only shift a cell: descends on the loss and must arrive at the wanted shift

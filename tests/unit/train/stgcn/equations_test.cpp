@@ -339,6 +339,57 @@ TEST_F(StGcnEquations, ThePenaltyHasItsInterval) {
   }
 }
 
+// Adam's first step is as long as its rate, which falls with the square of what is left.
+TEST_F(StGcnEquations, RatesFallQuadratically) {
+  config_.decay_to = 0.2;
+  config_.weight_decay = 0;
+  for (const auto& [progress, share] : {std::pair{0.0, 1.0}, {0.5, 0.4}, {1.0, 0.2}}) {
+    const auto learner = At(0);
+    const Checkpoint before = StateOf(*learner);
+    learner->Step(progress);
+    const Checkpoint after = StateOf(*learner);
+    const auto moved = [&](const std::string& name) {
+      return (after.tensors.at(name) - before.tensors.at(name)).abs().max().item<double>();
+    };
+    EXPECT_NEAR(moved("generator"), config_.generator_rate * share, 1e-6) << progress;
+    EXPECT_NEAR(moved("critic"), config_.critic_rate * share, 1e-6) << progress;
+    EXPECT_NEAR(moved("mapping"), config_.mapping_rate * share, 1e-6) << progress;
+  }
+}
+
+// F: noise and label each through a layer of their own, then three layers; ReLU, at last tanh.
+TEST(StGcnMapping, IsItsEquation) {
+  torch::manual_seed(7);
+  const torch::NoGradGuard no_grad;
+  Shape shape;
+  shape.domains = 3;
+  const Mapping mapping(shape, torch::kCPU);
+  mapping.parameters.flat().normal_(0, 0.1);
+  const auto layer = [&](const std::string& name, const std::vector<double>& x) {
+    const Tensor weight = mapping.parameters.Find(name + ".weight");
+    const Tensor bias = mapping.parameters.Find(name + ".bias");
+    const auto w = weight.accessor<float, 2>();
+    std::vector<double> y;
+    for (int64_t o = 0; o < weight.size(0); ++o) {
+      double sum = bias[o].item<double>();
+      for (std::size_t i = 0; i < x.size(); ++i) sum += w[o][static_cast<int64_t>(i)] * x[i];
+      y.push_back(name == "f.out" ? std::tanh(sum) : std::max(0.0, sum));
+    }
+    return y;
+  };
+  const Tensor z = torch::randn({1, 16});
+  std::vector<double> noise;
+  for (int64_t i = 0; i < 16; ++i) noise.push_back(z[0][i].item<double>());
+  std::vector<double> both = layer("f.noise", noise);
+  for (const double value : layer("f.label", {0, 0, 1})) both.push_back(value);
+  const auto code = layer("f.out", layer("f.fc2", layer("f.fc1", both)));
+  const Tensor ours = mapping(z, torch::tensor({2}, torch::kInt64));
+  ASSERT_EQ(ours.size(1), static_cast<int64_t>(code.size()));
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    EXPECT_NEAR(ours[0][static_cast<int64_t>(i)].item<double>(), code[i], 1e-5);
+  }
+}
+
 // The paper's order: the critic on both kinds of codes, then the others on both.
 TEST_F(StGcnEquations, BothTurnsAreOneIteration) {
   config_.both_turns = true;
