@@ -125,7 +125,7 @@ Transferred TransferByLoops(const Seen& at, const Tensor& parameters, const Conf
   Carried carried = generator.Start(at.slots);
   RestoreCarried(at.before, "", carried);
   const int64_t frames = at.batch.u.size(0), n = at.slots.count();
-  const Decoded decoded = generator.Transfer(at.batch.u, at.slots, at.batch.carried, carried);
+  const Decoded decoded = generator.Transfer(at.batch.u, at.slots, {}, at.batch.carried, carried);
   Transferred out{.rec = decoded.rotations.narrow(1, 0, n),
                   .rec_velocities = decoded.velocities.narrow(1, 0, n),
                   .rec_height = decoded.height.narrow(1, 0, n),
@@ -145,13 +145,13 @@ Transferred TransferByLoops(const Seen& at, const Tensor& parameters, const Conf
         rec[j] = QuatOf(out.rec[t][b][j]);
         const body::Quat change = rec[j].conjugate() * QuatOf(sty[t][b][j]);
         put(out.log_change[t][b][j], body::Log(change));
-        made[j] = config.judge_published ? QuatOf(at.batch.rotations[t][b][j]) * change
+        made[j] = config.judge_published ? QuatOf(at.batch.rotations()[t][b][j]) * change
                                          : QuatOf(sty[t][b][j]);
       }
       const body::WorldPose rec_world = WorldOf(rec), world = WorldOf(made);
       float lowest_in_m = 1e9F, lowest_out_m = 1e9F;
       for (const int j : {body::kLeftFoot, body::kLeftToes, body::kRightFoot, body::kRightToes}) {
-        lowest_in_m = std::min(lowest_in_m, at.batch.positions[t][b][j][1].item<float>());
+        lowest_in_m = std::min(lowest_in_m, at.batch.positions()[t][b][j][1].item<float>());
         lowest_out_m = std::min(lowest_out_m, world.positions_m[j].y());
       }
       const float lift_m = lowest_in_m - lowest_out_m;
@@ -257,9 +257,9 @@ std::map<std::string, double> GeneratorsLoss(const Seen& at, const Tensor& param
   for (int64_t b = 0; b < n; ++b) {
     for (int64_t t = 0; t < frames; ++t) {
       for (int64_t j = 0; j < body::kJointCount; ++j) {
-        const double dot = (made.rec[t][b][j] * at.batch.rotations[t][b][j]).sum().item<double>();
+        const double dot = (made.rec[t][b][j] * at.batch.rotations()[t][b][j]).sum().item<double>();
         rotation += std::pow(std::acos(std::min(1.0, std::abs(dot))), 2) / n;
-        position += (made.rec_positions[t][b][j] - at.batch.positions[t][b][j])
+        position += (made.rec_positions[t][b][j] - at.batch.positions()[t][b][j])
                         .square()
                         .sum()
                         .item<double>() /
@@ -310,7 +310,7 @@ void ErdIteration::ExpectTheEquations(double progress, double smooth_share) {
   learner->Step(progress);
   const Checkpoint after = StateOf(*learner);
   std::map<std::string, double> logged;
-  for (const auto& [name, value] : learner->tally().PopMeans(1)) logged[name] = value;
+  for (const auto& [name, value] : learner->means().Pop()) logged[name] = value;
 
   const Seen at = SeenBy(before, config_, clips_, parameters_);
   const double paired = at.batch.paired.sum().item<double>();
@@ -360,7 +360,7 @@ TEST_F(ErdIteration, ThePenaltyHasItsInterval) {
   const auto learner = Make();
   for (int i = 0; i < 7; ++i) {
     learner->Step(0);
-    const Figures figures = learner->tally().PopMeans(1);
+    const Figures figures = learner->means().Pop();
     const bool penalized = std::any_of(figures.begin(), figures.end(),
                                        [](const auto& row) { return row.first == "penalty"; });
     EXPECT_EQ(penalized, i % 3 == 0) << i;
@@ -398,10 +398,11 @@ TEST_F(ErdIteration, ABranchServesItsOwnStyle) {
   Carried carried = generator.Start(at.slots);
   const int64_t n = at.slots.count(), per_branch = n / 2;
   const Decoded all =
-      generator.Transfer(at.batch.u, at.slots, torch::zeros({n}, torch::kBool), carried);
+      generator.Transfer(at.batch.u, at.slots, {}, torch::zeros({n}, torch::kBool), carried);
   for (int64_t b = 0; b < n; ++b) {
     const int64_t style = (at.slots.input[b] + at.slots.target[b]).item<int64_t>();
-    const Tensor z = generator.Encode(at.batch.u.narrow(1, b, 1), at.slots.input.narrow(0, b, 1));
+    const Tensor z =
+        generator.Encode(at.batch.u.narrow(1, b, 1), at.slots.input_one_hot.narrow(0, b, 1), {});
     StackState r0 = generator.neutral.Initial(1), branch = generator.branches.Initial(per_branch);
     const Tensor neutral = generator.Neutral(z, r0);
     const Tensor with = neutral + generator.Branches(z.expand({-1, n, -1}).contiguous(), branch)
