@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/base/status.h"
 #include "model/body/pose.h"
 
 namespace styled::net {
@@ -78,6 +79,18 @@ int FindStyle(const Styles& styles, std::string_view name);
 // The style itself if it varies, or the style of the same name in a network that has variations; -1
 // if there is none.
 int VaryingStyle(const Styles& styles, int style);
+
+// Contents, the acts of performers (walk, run, ...), by name, for networks that take them as input.
+// A content's number is its index here, or one of the two below.
+using Contents = std::vector<std::string>;
+inline constexpr std::size_t kMaxContents = 64;
+inline constexpr int kContentRecognized = -1;              // by the network, from the frames so far
+inline constexpr int kContentUnknown = -2;                 // the network gets none
+inline constexpr const char* kUnknownContent = "unknown";  // its name
+
+// The number of a content by name, case-insensitive: "" is kContentRecognized. The error names the
+// choices.
+Result<int> FindContent(const Contents& contents, std::string_view name);
 
 // A style in effect and its weight; style -1: an unused entry.
 struct StyleWeight {

@@ -25,6 +25,7 @@ namespace styled::net {
 struct Model {
   std::string family;  // "style-erd", "constant-offset"
   Styles styles;
+  Contents contents;      // those that the network takes as input; empty: it takes none
   float rate_hz = 30.0F;  // the rate at which every stream is stepped; > 0
   // The performers that it was trained on, for the performer's neutral. Absent in files before
   // version 3 and in families that do not need them.
@@ -101,6 +102,9 @@ struct StepJob {
   // The requested styles are shown in these variations; empty: the styles themselves.
   std::span<const VariationWeight> variations = {};
   const Performer* performer = nullptr;  // null: not known
+  // The content of the motion: a number of Model::contents, kContentRecognized or kContentUnknown.
+  // Networks without contents ignore it.
+  int content = kContentRecognized;
 };
 
 // A network with its weights. Immutable; shared by all performers and threads.

@@ -1,6 +1,8 @@
 // Reads the file format of model/net/erd/FORMAT.md into a Network; an error is one sentence.
+#include <span>
 #include <type_traits>
 
+#include "model/base/text.h"
 #include "model/net/erd/network.h"
 #include "model/net/erd/weights.h"
 #include "model/net/weights_file.h"
@@ -12,20 +14,37 @@ using net::Faults;
 using net::RowMajor;
 using nlohmann::json;
 
-constexpr float kMaxHeadingTau_s = 60.0F;
+constexpr float kMaxHeadingTau_s = 60.0F, kMaxContentRise_s = 60.0F;
+
+// The contents that the network takes as input. Programs print names, and look them up without
+// regard to case.
+void ReadContents(const json& object, net::Contents& contents, Faults& faults) {
+  const json* const found = net::FindKey(object, "contents", faults);
+  if (found == nullptr) return;
+  if (!found->is_array() || found->size() > net::kMaxContents) {
+    faults.Key("contents", "0 to " + std::to_string(net::kMaxContents) + " names",
+               found->is_array() ? std::to_string(found->size()) : net::Shown(*found));
+    return;
+  }
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const json& value = (*found)[i];
+    const std::string place = "contents[" + std::to_string(i) + "]";
+    const std::string name = value.is_string() ? value.get<std::string>() : "";
+    if (name.empty() || Printable(name, name.size()) != name) {
+      faults.Key(place, "a name without control characters", net::Shown(value));
+    }
+    // "unknown" is found, too: it means that the content is not known.
+    contents.push_back(name);
+    if (const auto taken = net::FindContent(contents, name);
+        taken.ok() && taken.value() != static_cast<int>(i) && !name.empty()) {
+      faults.Key(place, "a name that occurs once, other than " + std::string(net::kUnknownContent),
+                 net::Shown(value));
+    }
+  }
+}
 
 // The keys of this family. A size that differs from the network's is refused.
 void ReadKeys(const json& object, const Shape& shape, FeatureParameters& features, Faults& faults) {
-  if (const json* contents = net::FindKey(object, "contents", faults)) {
-    if (!contents->is_array()) {
-      faults.Key("contents", "an array", net::Shown(*contents));
-    } else if (!contents->empty()) {
-      faults.Key("contents", "[]",
-                 net::Shown(*contents) +
-                     ": the network takes a content input, which this build does "
-                     "not feed");
-    }
-  }
   features.heading_tau_s = net::ReadNumber(object, "heading_tau_s", {0, kMaxHeadingTau_s}, faults);
   const auto expect = [&](const char* key, const json& expected) {
     net::ExpectEqual(object, key, expected, faults);
@@ -66,18 +85,59 @@ class LayerReader {
     Pack(Read(name + ".weight", Rows, Columns), out.weight);
     Pack(Read<Rows>(name + ".bias"), out.bias);
   }
-  // The same for a weight with one extra column per style at its end, which is added to the bias of
-  // its style.
+  // The same for a weight with extra columns at its end: one per style, which is added to the bias
+  // of its style, then one per content.
   template <int Rows, int Columns>
   void Read(const std::string& name, int style_count, PackedMatrix<Rows, Columns>& out,
-            std::array<PackedVector<Rows>, net::kMaxStyles>& style_bias) {
-    const RowMajor all = Read(name + ".weight", Rows, Columns + style_count);
+            std::array<PackedVector<Rows>, net::kMaxStyles>& style_bias,
+            std::span<PackedVector<Rows>> contents = {}) {
+    const int labels = style_count + static_cast<int>(contents.size());
+    const RowMajor all = Read(name + ".weight", Rows, Columns + labels);
     const Vector<Rows> bias = Read<Rows>(name + ".bias");
     Pack(all.leftCols<Columns>(), out);
     for (int s = 0; s < style_count; ++s) Pack(bias + all.col(Columns + s), style_bias[s]);
+    int column = Columns + style_count;
+    for (PackedVector<Rows>& content : contents) Pack(all.col(column++), content);
+  }
+  // The first `rows` rows of a layer; the others are left as they are.
+  template <int Rows, int Columns>
+  void ReadRows(const std::string& name, int rows, Affine<Rows, Columns>& out) {
+    const RowMajor weight = Read(name + ".weight", rows, Columns);
+    const RowMajor bias = tensors_.Vector(name + ".bias", rows);
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < Columns; ++column) {
+        out.weight[out.weight.Index(row, column)] = weight(row, column);
+      }
+      out.bias[static_cast<std::size_t>(row)] = bias(row);
+    }
   }
   template <int Latent>
   void Read(const std::string& name, LstmLayer<Latent>& out) {
+    ReadGates(name, out);
+    Pack(Read<Latent>(name + ".h0"), out.h0);
+    Pack(Read<Latent>(name + ".c0"), out.c0);
+  }
+  // A layer of the neutral branch. With contents it has one initial state for each of them, and the
+  // last is for an unknown content.
+  template <Shape kShape>
+  void Read(const std::string& name, std::size_t layer,
+            std::span<BranchStateOf<kShape>> of_contents, LstmLayer<kShape.latent>& out) {
+    if (of_contents.empty()) return Read(name, out);
+    ReadGates(name, out);
+    const auto count = static_cast<int>(of_contents.size());
+    const RowMajor h0 = Read(name + ".h0", count + 1, kShape.latent);
+    const RowMajor c0 = Read(name + ".c0", count + 1, kShape.latent);
+    for (int content = 0; content < count; ++content) {
+      of_contents[static_cast<std::size_t>(content)].h[layer] = h0.row(content);
+      of_contents[static_cast<std::size_t>(content)].c[layer] = c0.row(content);
+    }
+    Pack(h0.row(count), out.h0);
+    Pack(c0.row(count), out.c0);
+  }
+
+ private:
+  template <int Latent>
+  void ReadGates(const std::string& name, LstmLayer<Latent>& out) {
     constexpr int kGates = 4 * Latent;
     const RowMajor input = Read(name + ".input", kGates, Latent);
     const RowMajor hidden = Read(name + ".hidden", kGates, Latent);
@@ -94,11 +154,8 @@ class LayerReader {
     }
     Pack(weight, out.weight);
     Pack(ordered_bias, out.bias);
-    Pack(Read<Latent>(name + ".h0"), out.h0);
-    Pack(Read<Latent>(name + ".c0"), out.c0);
   }
 
- private:
   net::TensorReader& tensors_;
 };
 
@@ -155,6 +212,28 @@ void ReadHeads(LayerReader& tensors, const Vector<kFeatureCount>& mean,
   Pack(bias, out.bias);
 }
 
+// Room for the tensors of `count` contents, and the keys that come with them.
+template <Shape kShape>
+std::unique_ptr<ContentWeights<kShape>> MakeContents(int count, const json& object, float rate_hz,
+                                                     Faults& faults) {
+  auto contents = std::make_unique<ContentWeights<kShape>>();
+  contents->count = count;
+  const float rise_s =
+      net::ReadNumber(object, "content_rise_s", {0, kMaxContentRise_s, false}, faults);
+  contents->per_frame = 1 / (rate_hz * rise_s);
+  contents->columns.resize(static_cast<std::size_t>(count));
+  contents->starts.resize(static_cast<std::size_t>(count));
+  return contents;
+}
+
+template <Shape kShape>
+void ReadRecognizer(LayerReader& tensors, ContentWeights<kShape>& contents) {
+  tensors.Read("recognizer.0", contents.layer0);
+  tensors.Read("recognizer.1", contents.layer1);
+  tensors.Read("recognizer.lstm", contents.lstm);
+  tensors.ReadRows("recognizer.head", contents.count, contents.head);
+}
+
 }  // namespace
 
 template <Shape kShape>
@@ -163,6 +242,10 @@ void ShapedNetwork<kShape>::Weights::Round(const Kernels& for_kernels) {
   if (kernels->pack == nullptr) return;
   const auto round = [&](auto&... matrices) { (RoundMatrix(*kernels, matrices), ...); };
   round(encoder0, encoder1.weight, decoder0, decoder1.weight, decoder2.weight, heads.weight);
+  if (contents) {
+    round(contents->layer0.weight, contents->layer1.weight, contents->lstm.weight,
+          contents->head.weight);
+  }
   for (auto& layer : neutral) round(layer.weight);
   for (auto& style : styles) {
     for (auto& layer : style) round(layer.weight);
@@ -197,7 +280,12 @@ Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read
   Faults faults(file.name);
   network->model_ = file.model;
   features.rate_hz = file.model.rate_hz;
+  ReadContents(file.header, network->model_.contents, faults);
   ReadKeys(file.header, kShape, features, faults);
+  const int content_count = network->content_count();
+  if (content_count > 0) {
+    w.contents = MakeContents<kShape>(content_count, file.header, features.rate_hz, faults);
+  }
   if (!faults.none()) return faults.status();
 
   net::TensorReader all(file.view, faults);
@@ -208,9 +296,18 @@ Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read
   if (faults.none()) CheckFeatures(mean, deviation, features, faults);
   Pack(mean, w.mean);
   Pack(deviation.cwiseInverse(), w.inverse_deviation);
-  tensors.Read("encoder.0", style_count, w.encoder0, w.encoder0_bias);
+  std::span<PackedVector<kShape.encoder>> columns;
+  std::span<BranchStateOf<kShape>> starts;
+  if (w.contents) {
+    columns = w.contents->columns;
+    starts = w.contents->starts;
+    ReadRecognizer(tensors, *w.contents);
+  }
+  tensors.Read("encoder.0", style_count, w.encoder0, w.encoder0_bias, columns);
   tensors.Read("encoder.1", w.encoder1);
-  for (int l = 0; l < kNeutralLayers; ++l) tensors.Read(LayerName(0, l), w.neutral[l]);
+  for (int l = 0; l < kNeutralLayers; ++l) {
+    tensors.Read<kShape>(LayerName(0, l), static_cast<std::size_t>(l), starts, w.neutral[l]);
+  }
   w.styles.resize(style_count - 1);
   for (int s = 1; s < style_count; ++s) {
     for (int l = 0; l < kStyleLayers; ++l) tensors.Read(LayerName(s, l), w.styles[s - 1][l]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bitset>
 
+#include "model/net/erd/content.h"
 #include "model/net/erd/weights.h"
 
 namespace styled::erd {
@@ -12,18 +13,10 @@ using net::Decoded;
 using net::kMaxActive;
 using net::kMaxStrength;
 using net::kMaxStyles;
-using net::kPanelRows;
 using net::LstmOperands;
 using net::Operands;
-using net::PaddedRows;
 using net::Prediction;
 using net::StyleWeight;
-
-template <int Rows, int Columns>
-void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
-           std::span<const Operands> inputs, bool relu) noexcept {
-  kernels.affine(weight.data(), PaddedRows(Rows) / kPanelRows, Columns, inputs, relu);
-}
 
 template <Shape kShape, std::size_t Layers>
 void StartBranch(const std::array<LstmLayer<kShape.latent>, Layers>& layers,
@@ -101,6 +94,7 @@ struct Scratch {
   int input_style = 0;
   std::array<int, kMaxBranches> slot;  // of each wanted style's branch, in the state
   PackedVector<kFeatureCount> u;
+  PackedVector<kShape.encoder> content_bias;  // the encoder's first, with the content's part
   PackedVector<kShape.encoder> e;
   PackedVector<kShape.latent> z;
   Decoding<kShape> reconstruction, styled;
@@ -154,6 +148,37 @@ void AddTo(PackedVector<Rows>& y, float factor, const float* x) noexcept {
   for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
 }
 
+// z = W1 relu(W0 [u, S, c] + b0) + b1. As in all steps, one call serves all performers, so that
+// each weight is read from memory once. The label S is constant per style and therefore part of the
+// bias, and so is the content c of a network that takes one.
+template <Shape kShape, std::size_t Most>
+void Encode(const auto& w, std::span<const StepJobOf<kShape>> jobs,
+            std::array<Scratch<kShape>, Most>& scratch) noexcept {
+  const Kernels& kernels = *w.kernels;
+  const std::size_t count = jobs.size();
+  std::array<Operands, Most> operands;
+  for (std::size_t k = 0; k < count; ++k) {
+    Scratch<kShape>& own = scratch[k];
+    kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
+                        kFeatureCount, kMaxStandardized, own.u.data());
+    operands[k] = {w.encoder0_bias[own.input_style].data(), own.u.data(), own.e.data()};
+  }
+  if (w.contents) {
+    std::array<ContentJob<kShape>, Most> contents;
+    for (std::size_t k = 0; k < count; ++k) {
+      contents[k] = {scratch[k].u.data(), jobs[k].content, jobs[k].state, operands[k].bias,
+                     &scratch[k].content_bias};
+      operands[k].bias = scratch[k].content_bias.data();
+    }
+    AddContents<kShape>(kernels, *w.contents, std::span(contents).first(count));
+  }
+  Apply(kernels, w.encoder0, std::span(operands).first(count), true);
+  for (std::size_t k = 0; k < count; ++k) {
+    operands[k] = {w.encoder1.bias.data(), scratch[k].e.data(), scratch[k].z.data()};
+  }
+  Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
+}
+
 void ToDecoded(const Kernels& kernels, const PackedVector<kHeads>& heads, Decoded& out) noexcept {
   static_assert(sizeof(out.rotations) == kRotationFeatures * sizeof(float));
   kernels.normalize(heads.data(), body::kJointCount, out.rotations[0].coeffs().data());
@@ -171,13 +196,20 @@ template <Shape kShape>
 void ShapedNetwork<kShape>::Start(State& state) const noexcept {
   StartBranch<kShape>(weights_->neutral, state.neutral);
   state.style.fill(-1);
+  if (weights_->contents) StartRecognizer(*weights_->contents, state.recognizer);
+}
+
+template <Shape kShape>
+void ShapedNetwork<kShape>::Recognized(const State& state, std::span<float> shares) const noexcept {
+  if (!weights_->contents) return;
+  erd::Recognized(*weights_->kernels, *weights_->contents, state.recognizer, shares);
 }
 
 template <Shape kShape>
 void ShapedNetwork<kShape>::Step(const Features& features, int input_style,
-                                 std::span<const StyleWeight> active, State& state,
-                                 Prediction& out) const noexcept {
-  const StepJob job{&features, input_style, active, &state, &out};
+                                 std::span<const StyleWeight> active, State& state, Prediction& out,
+                                 int content) const noexcept {
+  const StepJob job{&features, input_style, active, &state, &out, content};
   StepSome<1>({&job, 1});
 }
 
@@ -199,7 +231,6 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
   const int style_count = this->style_count();
   const std::size_t count = jobs.size();
   std::array<Scratch<kShape>, Most> scratch;
-  std::array<Operands, Most> operands;
 
   // 1. Find the branches to run. Unused branches are dropped first, so that each new one finds a
   // free slot; it starts from its learned state.
@@ -228,20 +259,8 @@ void ShapedNetwork<kShape>::StepSome(std::span<const StepJob> jobs) const noexce
     }
   }
 
-  // 2. Encode: z = W1 relu(W0 [u, S] + b0) + b1. As in all steps, one call serves all performers,
-  // so that each weight is read from memory once. The label S is constant per style and therefore
-  // part of the bias.
-  for (std::size_t k = 0; k < count; ++k) {
-    Scratch<kShape>& own = scratch[k];
-    kernels.standardize(jobs[k].features->data(), w.mean.data(), w.inverse_deviation.data(),
-                        kFeatureCount, kMaxStandardized, own.u.data());
-    operands[k] = {w.encoder0_bias[own.input_style].data(), own.u.data(), own.e.data()};
-  }
-  Apply(kernels, w.encoder0, std::span(operands).first(count), true);
-  for (std::size_t k = 0; k < count; ++k) {
-    operands[k] = {w.encoder1.bias.data(), scratch[k].e.data(), scratch[k].z.data()};
-  }
-  Apply(kernels, w.encoder1.weight, std::span(operands).first(count), false);
+  // 2. Encode.
+  Encode<kShape, Most>(w, jobs, scratch);
 
   // 3. Run the recurrent branches: z' = r_0(z) + Σ_s α_s r_s(z). Branches run style by style,
   // because performers in the same style share its weights. The reconstruction adds only the input

@@ -40,21 +40,39 @@ struct BranchStateOf {
   }
 };
 
-// The recurrent state of one performer: the neutral branch r_0 and the live style branches. Value
-// type, about 9 kB (wide: 18 kB), no pointers. Undefined until ShapedNetwork::Start fills it.
+// The recognizer's state, and the age of the whole state. Unused by a network without contents.
+template <Shape kShape>
+struct RecognizerStateOf {
+  // Enough that the recognizer's certainty has reached 1, at any rate and rise.
+  static constexpr int kMostFrames = 1 << 20;
+
+  alignas(64) Eigen::Matrix<float, kShape.latent, 1> h, c;
+  int frames = 0;  // steps since the start, at most kMostFrames
+
+  STYLED_REALTIME void Carry(Checkpoint& to) noexcept {
+    to(h, c);
+    to.Within(frames, 0, kMostFrames);
+  }
+};
+
+// The recurrent state of one performer: the neutral branch r_0, the live style branches and the
+// recognizer. Value type, about 9 kB (wide: 18 kB), no pointers. Undefined until
+// ShapedNetwork::Start fills it.
 template <Shape kShape>
 struct StateOf {
   BranchStateOf<kShape> neutral;
   std::array<BranchStateOf<kShape>, kMaxBranches> branch;
   std::array<int, kMaxBranches> style;  // style of branch[i]; -1: the branch is not live
+  RecognizerStateOf<kShape> recognizer;
 
-  // `style_count`: the network's, neutral included.
-  STYLED_REALTIME void Carry(Checkpoint& to, int style_count) noexcept {
+  // Of a network with `style_count` styles, neutral included, and with or without contents.
+  STYLED_REALTIME void Carry(Checkpoint& to, int style_count, bool contents) noexcept {
     neutral.Carry(to, kNeutralLayers);
     for (std::size_t slot = 0; slot < branch.size(); ++slot) {
       to.Within(style[slot], -1, style_count - 1);
       if (style[slot] >= 0) branch[slot].Carry(to, kStyleLayers);
     }
+    if (contents) to(recognizer);
   }
 };
 
@@ -66,6 +84,7 @@ struct StepJobOf {
   std::span<const net::StyleWeight> active;
   StateOf<kShape>* state = nullptr;
   net::Prediction* out = nullptr;
+  int content = net::kContentRecognized;
 };
 
 // The network: encoder, recurrent branches, decoder. Input: features; output: rotations. stylizer.h
@@ -91,6 +110,7 @@ class ShapedNetwork {
   const net::Model& model() const { return model_; }
   const FeatureParameters& features() const { return features_; }
   int style_count() const { return static_cast<int>(model_.styles.size()); }
+  int content_count() const { return static_cast<int>(model_.contents.size()); }
 
   // Sets the learned initial states, with no style branch live. Noexcept, no allocation.
   STYLED_REALTIME void Start(State& state) const noexcept;
@@ -100,16 +120,23 @@ class ShapedNetwork {
   // dropped. `input_style` is the style that the performer is assumed to move in (0 = neutral); its
   // branch is live as long as it is given. `active` may contain neutral and weights of 0 (weight 0
   // keeps the branch live); the weights of a style given twice are added. Ignored: styles that the
-  // network lacks, and styles after the first kMaxActive. `out.heading_rad` is not written: the
-  // hips are relative to the features' heading. Standardized features are clamped to
+  // network lacks, and styles after the first kMaxActive. `content` is that of the motion: a
+  // number of the network's contents, net::kContentRecognized or net::kContentUnknown; a number
+  // that it lacks counts as unknown. The content of a state's first step also chooses the neutral
+  // branch's initial state. A network without contents ignores it. `out.heading_rad` is not
+  // written: the hips are relative to the features' heading. Standardized features are clamped to
   // +-kMaxStandardized, and NaN counts as the mean, so no input can leave a non-finite state
   // behind. Noexcept, no allocation, no lock. Pinned by tests/unit/net/erd and tests/parity.
   STYLED_REALTIME void Step(const Features& features, int input_style,
                             std::span<const net::StyleWeight> active, State& state,
-                            net::Prediction& out) const noexcept;
+                            net::Prediction& out,
+                            int content = net::kContentRecognized) const noexcept;
   // The same for several performers, with the same results bit for bit, in less time: the weights
   // are read once for several of them. No state or output may appear twice.
   STYLED_REALTIME void StepTogether(std::span<const StepJob> jobs) const noexcept;
+  // The recognizer's P after the last step: a share for each content, in `shares`, which has
+  // content_count() of them. After Start it says nothing yet.
+  STYLED_REALTIME void Recognized(const State& state, std::span<float> shares) const noexcept;
 
  private:
   struct Weights;

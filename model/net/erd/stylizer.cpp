@@ -52,7 +52,7 @@ class ErdStylizer final : public net::Stylizer {
 
   void Carry(net::Stream& stream, Checkpoint& c) const noexcept override {
     auto& memory = static_cast<ErdStream<kShape>&>(stream).frames;
-    memory.network.Carry(c, network_->style_count());
+    memory.network.Carry(c, network_->style_count(), network_->content_count() > 0);
     c(memory.features);
   }
 
@@ -69,7 +69,8 @@ class ErdStylizer final : public net::Stylizer {
         auto& memory = stream.frames;
         job.out->heading_rad =
             ComputeFeatures(*job.pose, network_->features(), memory.features, stream.features);
-        steps[k] = {&stream.features, job.input_style, job.styles, &memory.network, job.out};
+        steps[k] = {&stream.features, job.input_style, job.styles,
+                    &memory.network,  job.out,         job.content};
       }
       network_->StepTogether(std::span(steps).first(count));
     }

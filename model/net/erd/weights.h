@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "model/net/erd/network.h"
@@ -38,6 +40,21 @@ struct LstmLayer {
   PackedVector<Latent> h0, c0;
 };
 
+// The part of a network with contents that others lack.
+template <Shape kShape>
+struct ContentWeights {
+  int count = 0;        // C
+  float per_frame = 0;  // one frame's time as a share of content_rise_s
+  // By content: its column of the encoder's first layer, and the neutral branch's initial state.
+  std::vector<PackedVector<kShape.encoder>> columns;
+  std::vector<BranchStateOf<kShape>> starts;
+  // The recognizer. The rows of `head` after the contents are zeros.
+  Affine<kShape.encoder, kFeatureCount> layer0;
+  Affine<kShape.latent, kShape.encoder> layer1;
+  LstmLayer<kShape.latent> lstm;
+  Affine<net::kMaxContents, kShape.latent> head;
+};
+
 template <Shape kShape>
 struct ShapedNetwork<kShape>::Weights {
   static constexpr int kLatent = kShape.latent;
@@ -50,7 +67,7 @@ struct ShapedNetwork<kShape>::Weights {
   PackedVector<kFeatureCount> mean, inverse_deviation;
   PackedMatrix<kShape.encoder, kFeatureCount> encoder0;
   Affine<kLatent, kShape.encoder> encoder1;
-  std::array<LstmLayer<kLatent>, kNeutralLayers> neutral;
+  std::array<LstmLayer<kLatent>, kNeutralLayers> neutral;  // starts as for an unknown content
   std::vector<std::array<LstmLayer<kLatent>, kStyleLayers>> styles;  // [s - 1] is style s
   PackedMatrix<kDecoder[0], kLatent> decoder0;
   Affine<kDecoder[1], kDecoder[0]> decoder1;
@@ -61,6 +78,14 @@ struct ShapedNetwork<kShape>::Weights {
   // it.
   std::array<PackedVector<kShape.encoder>, net::kMaxStyles> encoder0_bias;
   std::array<PackedVector<kDecoder[0]>, net::kMaxStyles> decoder0_bias;
+  std::unique_ptr<ContentWeights<kShape>> contents;  // null: the network takes none
 };
+
+// y = weight x + bias, or its relu; of the weight's first `rows` rows.
+template <int Rows, int Columns>
+void Apply(const Kernels& kernels, const PackedMatrix<Rows, Columns>& weight,
+           std::span<const net::Operands> inputs, bool relu, int rows = Rows) noexcept {
+  kernels.affine(weight.data(), net::PaddedRows(rows) / net::kPanelRows, Columns, inputs, relu);
+}
 
 }  // namespace styled::erd

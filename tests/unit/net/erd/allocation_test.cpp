@@ -1,6 +1,7 @@
 // Start and Step allocate nothing.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <new>
 
@@ -63,6 +64,26 @@ TEST(Allocations, NoneInStartAndStep) {
                 network->Step(features, 0, {}, state, out);
                 network->Step(features, 0, mix, state, out);
                 network->Step(features, 6, other, state, out);
+              }
+            }),
+            0);
+}
+
+TEST(Allocations, NoneWithContents) {
+  const auto network = NetworkOf(RandomWeightsWithContents(8, 64, 1));
+  const std::vector<net::StyleWeight> mix{{1, 0.5F}};
+  Features features;
+  features.fill(0.1F);
+  State state;
+  net::Prediction out;
+  std::array<float, 64> shares;
+  EXPECT_EQ(AllocationsIn([&] {
+              for (const int content : {net::kContentRecognized, net::kContentUnknown, 3}) {
+                network->Start(state);
+                for (int frame = 0; frame < 50; ++frame) {
+                  network->Step(features, 0, mix, state, out, content);
+                  network->Recognized(state, shares);
+                }
               }
             }),
             0);

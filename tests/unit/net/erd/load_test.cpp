@@ -128,11 +128,43 @@ std::vector<Broken> BrokenFiles() {
       {"AliasTaken",
        [](WeightsFile& file) { file.metadata["styles"][2]["aliases"] = {"style1"}; },
        {"key 'styles[2].aliases': expected a name or alias that occurs once"}},
-      {"Contents",
-       Set("contents", {"walk", "run"}),
-       {"key 'contents': expected [], found [\"walk\",\"run\"]",
-        "takes a content input, which this build does not feed"}},
-      {"ContentsText", Set("contents", ""), {"key 'contents': expected an array"}},
+      {"ContentsText", Set("contents", ""), {"key 'contents': expected 0 to 64 names, found \"\""}},
+      {"TooManyContents",
+       Set("contents", std::vector<std::string>(65, "x")),
+       {"key 'contents': expected 0 to 64 names, found 65"}},
+      {"ContentNumber",
+       Set("contents", {"walk", 1}),
+       {"key 'contents[1]': expected a name without control characters, found 1"}},
+      {"ContentEmpty",
+       Set("contents", {""}),
+       {"key 'contents[0]': expected a name without control characters, found \"\""}},
+      {"ContentTwice",
+       Set("contents", {"walk", "Walk"}),
+       {"key 'contents[1]': expected a name that occurs once, other than unknown, found "
+        "\"Walk\""}},
+      {"ContentUnknown",
+       Set("contents", {"unknown"}),
+       {"key 'contents[0]': expected a name that occurs once, other than unknown, found "
+        "\"unknown\""}},
+      {"ContentsWithoutRise", Set("contents", {"walk", "run"}), {"key 'content_rise_s': missing"}},
+      {"ContentRiseZero",
+       [](WeightsFile& file) {
+         AddContents(file, 2, 3);
+         file.metadata["content_rise_s"] = 0;
+       },
+       {"key 'content_rise_s': expected a number > 0 and <= 60, found 0"}},
+      {"RecognizerWithoutContents",
+       [](WeightsFile& file) {
+         AddContents(file, 2, 3);
+         file.metadata["contents"] = json::array();
+       },
+       {"tensor 'encoder.0.weight': expected F32 [64,214], found F32 [64,216]"}},
+      {"ContentsWithoutRecognizer",
+       [](WeightsFile& file) {
+         file.metadata["contents"] = {"walk", "run"};
+         file.metadata["content_rise_s"] = 0.3;
+       },
+       {"tensor 'recognizer.0.weight': expected F32 [64,211], found none"}},
       {"RateZero", Set("rate_hz", 0), {"key 'rate_hz': expected a number > 0", "found 0"}},
       {"RateNegative", Set("rate_hz", -30), {"key 'rate_hz': expected a number > 0"}},
       {"RateHuge", Set("rate_hz", 1e9), {"key 'rate_hz': expected a number > 0 and <= 1000"}},
@@ -271,6 +303,33 @@ TEST(Load, RefusesEachNonFiniteTensor) {
                 HasSubstr("tensor '" + tensor.name + "': expected finite values, found nan at " +
                           std::to_string(tensor.values.size() - 1)));
   }
+}
+
+TEST(Load, RefusesEachTensorOfContentsThatIsMissingOrOfAnotherShape) {
+  const WeightsFile whole = RandomWeightsWithContents(kStyles, 4, 1);
+  ASSERT_TRUE(Load(whole).ok()) << Load(whole).message();
+  ASSERT_EQ(whole.tensors.size(), RandomWeights(kStyles, 1).tensors.size() + 11U);
+  for (const NamedTensor& tensor : whole.tensors) {
+    WeightsFile file = whole;
+    Remove(tensor.name)(file);
+    const std::string expected =
+        "file: tensor '" + tensor.name + "': expected F32 " + json(tensor.shape).dump();
+    EXPECT_EQ(Load(file).message(), expected + ", found none");
+    file = whole;
+    std::vector<std::int64_t> shape = tensor.shape;
+    ++shape.front();
+    Reshape(tensor.name, shape)(file);
+    EXPECT_EQ(Load(file).message(), expected + ", found F32 " + json(shape).dump());
+  }
+}
+
+TEST(Load, TakesAsManyContentsAsItMay) {
+  const auto network =
+      Network::Parse(RandomWeightsWithContents(2, net::kMaxContents, 1).Bytes(), "file");
+  ASSERT_TRUE(network.ok()) << network.status().message();
+  EXPECT_EQ(network.value()->content_count(), 64);
+  EXPECT_EQ(network.value()->model().contents.back(), "content64");
+  EXPECT_EQ(NetworkOf(RandomWeights(2, 1))->content_count(), 0);
 }
 
 TEST(Load, RefusesHalfPrecision) {

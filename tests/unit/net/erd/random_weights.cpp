@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <random>
 #include <span>
 
@@ -30,6 +31,17 @@ class Maker {
     }
     tensors_.push_back(std::move(tensor));
   }
+  // Adds `count` numbers behind each `row` numbers of a tensor.
+  void Widen(NamedTensor& tensor, std::size_t row, std::size_t count, float bound) {
+    std::vector<float> wider;
+    for (std::size_t at = 0; at < tensor.values.size(); at += row) {
+      const auto begin = tensor.values.begin() + static_cast<std::ptrdiff_t>(at);
+      wider.insert(wider.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
+      for (std::size_t i = 0; i < count; ++i) wider.push_back(bound * Signed());
+    }
+    tensor.values = std::move(wider);
+  }
+  float Signed() { return static_cast<float>(random_() >> 8) / static_cast<float>(1 << 23) - 1; }
   void Linear(const std::string& name, int rows, int columns) {
     const float bound = 1.7F / std::sqrt(static_cast<float>(columns));
     Uniform(name + ".weight", {rows, columns}, -bound, bound);
@@ -62,6 +74,19 @@ NamedTensor& WeightsFile::tensor(const std::string& name) {
 
 std::vector<std::byte> WeightsFile::Bytes() const {
   return net::SerializeSafetensors(tensors, {{"styled", metadata.dump()}});
+}
+
+WeightsFile ReadParts(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = Expect(net::ReadFile(file));
+  const net::SafetensorsView view = Expect(net::ParseSafetensors(bytes, file.string()));
+  WeightsFile parts;
+  parts.metadata = json::parse(view.metadata.at("styled"));
+  for (const auto& [name, tensor] : view.tensors) {
+    NamedTensor& part = parts.tensors.emplace_back(NamedTensor{name, tensor.shape, {}});
+    part.values.resize(tensor.bytes.size() / sizeof(float));
+    std::memcpy(part.values.data(), tensor.bytes.data(), tensor.bytes.size());
+  }
+  return parts;
 }
 
 WeightsFile RandomWeights(int style_count, unsigned seed, const Shape& shape) {
@@ -116,6 +141,51 @@ WeightsFile RandomWeights(int style_count, unsigned seed, const Shape& shape) {
   make.Linear("head.rotation", 84, d2);
   make.Linear("head.velocity", 63, d2);
   make.Linear("head.height", 1, d2);
+  return file;
+}
+
+void AddContents(WeightsFile& file, int count, unsigned seed, bool idle) {
+  const auto contents = static_cast<std::size_t>(count);
+  for (int c = 1; c <= count; ++c) {
+    file.metadata["contents"].push_back("content" + std::to_string(c));
+  }
+  file.metadata["content_rise_s"] = 0.3;
+  std::vector<NamedTensor> added;
+  Maker make(seed, added);
+  NamedTensor& encoder = file.tensor("encoder.0.weight");
+  make.Widen(encoder, static_cast<std::size_t>(encoder.shape[1]), contents, idle ? 0.0F : 1.0F);
+  encoder.shape[1] += count;
+  const std::int64_t hidden = encoder.shape[0], latent = file.metadata["latent"];
+  for (int layer = 0; layer < 6; ++layer) {
+    for (const char* const state : {".h0", ".c0"}) {
+      NamedTensor& start = file.tensor("recurrent.0." + std::to_string(layer) + state);
+      const std::vector<float> known = start.values;
+      start.shape = {count + 1, latent};
+      for (std::size_t c = 0; c < contents; ++c) {
+        for (const float value : known) {
+          start.values.push_back(idle ? value : 0.7F * make.Signed());
+        }
+      }
+    }
+  }
+  make.Linear("recognizer.0", static_cast<int>(hidden), 211);
+  make.Linear("recognizer.1", static_cast<int>(latent), static_cast<int>(hidden));
+  const float bound = 0.4F * std::sqrt(32.0F / static_cast<float>(latent));
+  make.Uniform("recognizer.lstm.input", {4 * latent, latent}, -bound, bound);
+  make.Uniform("recognizer.lstm.hidden", {4 * latent, latent}, -bound, bound);
+  make.Uniform("recognizer.lstm.bias", {4 * latent}, -0.3F, 0.3F);
+  make.Uniform("recognizer.lstm.h0", {latent}, -0.5F, 0.5F);
+  make.Uniform("recognizer.lstm.c0", {latent}, -0.8F, 0.8F);
+  // Large, so that shares are uneven.
+  make.Uniform("recognizer.head.weight", {count, latent}, -2, 2);
+  make.Uniform("recognizer.head.bias", {count}, -0.5F, 0.5F);
+  for (NamedTensor& tensor : added) file.tensors.push_back(std::move(tensor));
+}
+
+WeightsFile RandomWeightsWithContents(int style_count, int content_count, unsigned seed,
+                                      const Shape& shape) {
+  WeightsFile file = RandomWeights(style_count, seed, shape);
+  AddContents(file, content_count, seed + 1);
   return file;
 }
 

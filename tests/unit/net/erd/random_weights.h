@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -20,9 +21,19 @@ struct WeightsFile {
   std::vector<std::byte> Bytes() const;
 };
 
+// A file's parts; aborts if it cannot be read.
+WeightsFile ReadParts(const std::filesystem::path& file);
+
 // Well-formed random weights by `seed`, scaled like a framework's initialization, with the styles
 // "neutral", "style1" (alias "s1"), ... Written from FORMAT.md, not from the loader.
 WeightsFile RandomWeights(int style_count, unsigned seed, const Shape& shape = kPaper);
+
+// Makes the network take `count` contents as input: "content1", "content2", ... If `idle`, contents
+// change nothing: their columns are zeros, and each has the initial state that the file had. Random
+// otherwise, as is the recognizer.
+void AddContents(WeightsFile& file, int count, unsigned seed, bool idle = false);
+WeightsFile RandomWeightsWithContents(int style_count, int content_count, unsigned seed,
+                                      const Shape& shape = kPaper);
 
 // The same, but they decode NaN in every frame whose hips are more than kAwake_m above the floor,
 // which no trial run reaches. Below, they decode like those.

@@ -28,22 +28,32 @@ class Reference {
   explicit Reference(const WeightsFile& file)
       : style_count_(static_cast<int>(file.metadata["styles"].size())) {
     for (const NamedTensor& tensor : file.tensors) tensors_[tensor.name] = tensor;
-    StartBranch(0);
+    content_count_ = static_cast<int>(file.metadata["contents"].size());
+    if (content_count_ > 0) {
+      frame_s_ = 1 / file.metadata["rate_hz"].get<double>();
+      rise_s_ = file.metadata["content_rise_s"].get<double>();
+    }
+    branches_[kRecognizer] = {StateOfLayer("recognizer.lstm", 0)};
   }
 
-  // `active` maps style to alpha.
+  // `active` maps style to alpha; `content`: as Network::Step's.
   void Step(const Features& x, int input_style, const std::map<int, double>& active,
-            ReferenceOutput& reconstruction, ReferenceOutput& styled) {
+            ReferenceOutput& reconstruction, ReferenceOutput& styled,
+            int content = net::kContentRecognized) {
+    if (frames_ == 0) StartBranch(0, content >= 0 ? content : content_count_);
     std::map<int, double> alive = active;
     if (input_style != 0) alive.emplace(input_style, 0.0);
-    std::erase_if(branches_, [&](const auto& b) { return b.first != 0 && !alive.count(b.first); });
+    std::erase_if(branches_, [&](const auto& b) { return b.first > 0 && !alive.count(b.first); });
 
     Doubles u;
     for (int i = 0; i < 211; ++i) {
       const double scaled = (x[i] - Value("feature.mean", i)) / Value("feature.deviation", i);
       u.push_back(std::clamp(scaled, -4.0, 4.0));
     }
+    const Doubles c = Content(u, content);
     for (int s = 0; s < style_count_; ++s) u.push_back(s == input_style ? 1 : 0);
+    u.insert(u.end(), c.begin(), c.end());
+    ++frames_;
     const Doubles z = Linear("encoder.1", Relu(Linear("encoder.0", u)));
 
     const Doubles neutral = RunBranch(0, 6, z);
@@ -69,7 +79,32 @@ class Reference {
     Decode(sum, target, styled);
   }
 
+  // P of the last frame.
+  const Doubles& recognized() const { return recognized_; }
+
  private:
+  static constexpr int kRecognizer = -1;  // its key in branches_
+
+  struct LayerState {
+    Doubles h, c;
+  };
+
+  // c of a frame.
+  Doubles Content(const Doubles& u, int content) {
+    Doubles c(static_cast<std::size_t>(content_count_), 0.0);
+    if (c.empty()) return c;
+    const Doubles z = Linear("recognizer.1", Relu(Linear("recognizer.0", u)));
+    recognized_ = Linear("recognizer.head", RunLayer("recognizer.lstm", kRecognizer, 0, z));
+    double sum = 0;
+    for (double& share : recognized_) sum += share = std::exp(share);
+    for (double& share : recognized_) share /= sum;
+    if (content >= 0) c[static_cast<std::size_t>(content)] = 1;
+    if (content != net::kContentRecognized) return c;
+    const double certainty = 1 - std::exp(-frames_ * frame_s_ / rise_s_);
+    for (std::size_t i = 0; i < c.size(); ++i) c[i] = certainty * recognized_[i];
+    return c;
+  }
+
   double Value(const std::string& name, std::size_t i) const { return tensors_.at(name).values[i]; }
 
   Doubles Product(const std::string& name, const Doubles& x) const {
@@ -94,38 +129,43 @@ class Reference {
   }
   static double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
 
-  struct LayerState {
-    Doubles h, c;
-  };
-
   static std::string Name(int style, int layer) {
     return "recurrent." + std::to_string(style) + "." + std::to_string(layer);
   }
-  void StartBranch(int style) {
+  // Row `row` of the initial states of a layer; absent tensors give nothing.
+  LayerState StateOfLayer(const std::string& name, int row) const {
+    const auto part = [&](const std::string& tensor) {
+      const auto found = tensors_.find(tensor);
+      if (found == tensors_.end()) return Doubles();
+      const auto width = static_cast<std::ptrdiff_t>(found->second.shape.back());
+      const auto begin = found->second.values.begin() + row * width;
+      return Doubles(begin, begin + width);
+    };
+    return {part(name + ".h0"), part(name + ".c0")};
+  }
+  void StartBranch(int style, int row = 0) {
     for (int layer = 0; layer < (style == 0 ? 6 : 4); ++layer) {
-      const auto& h0 = tensors_.at(Name(style, layer) + ".h0").values;
-      const auto& c0 = tensors_.at(Name(style, layer) + ".c0").values;
-      branches_[style].push_back({{h0.begin(), h0.end()}, {c0.begin(), c0.end()}});
+      branches_[style].push_back(StateOfLayer(Name(style, layer), row));
     }
   }
   Doubles RunBranch(int style, int layers, Doubles z) {
-    for (int layer = 0; layer < layers; ++layer) {
-      LayerState& state = branches_.at(style)[layer];
-      const std::string name = Name(style, layer);
-      const Doubles input = Product(name + ".input", z);
-      const Doubles hidden = Product(name + ".hidden", state.h);
-      const auto latent = static_cast<int>(z.size());
-      const auto gate = [&](int block, int i) {
-        const int row = latent * block + i;
-        return input[row] + hidden[row] + Value(name + ".bias", row);
-      };
-      for (int i = 0; i < latent; ++i) {
-        state.c[i] = Sigmoid(gate(1, i)) * state.c[i] + Sigmoid(gate(0, i)) * std::tanh(gate(2, i));
-        state.h[i] = Sigmoid(gate(3, i)) * std::tanh(state.c[i]);
-      }
-      z = state.h;
-    }
+    for (int layer = 0; layer < layers; ++layer) z = RunLayer(Name(style, layer), style, layer, z);
     return z;
+  }
+  Doubles RunLayer(const std::string& name, int branch, int layer, const Doubles& z) {
+    LayerState& state = branches_.at(branch)[layer];
+    const Doubles input = Product(name + ".input", z);
+    const Doubles hidden = Product(name + ".hidden", state.h);
+    const auto latent = static_cast<int>(z.size());
+    const auto gate = [&](int block, int i) {
+      const int row = latent * block + i;
+      return input[row] + hidden[row] + Value(name + ".bias", row);
+    };
+    for (int i = 0; i < latent; ++i) {
+      state.c[i] = Sigmoid(gate(1, i)) * state.c[i] + Sigmoid(gate(0, i)) * std::tanh(gate(2, i));
+      state.h[i] = Sigmoid(gate(3, i)) * std::tanh(state.c[i]);
+    }
+    return state.h;
   }
   void Decode(const Doubles& latent, const Doubles& target, ReferenceOutput& out) const {
     Doubles d = latent;
@@ -151,6 +191,9 @@ class Reference {
   std::map<std::string, NamedTensor> tensors_;
   int style_count_;
   std::map<int, std::vector<LayerState>> branches_;
+  int content_count_ = 0, frames_ = 0;
+  double frame_s_ = 0, rise_s_ = 1;
+  Doubles recognized_;
 };
 
 // Smooth random features, like those of motion: sums of sines.
@@ -166,13 +209,16 @@ struct Command {
   int from_frame;
   int input_style;
   std::vector<net::StyleWeight> active;
+  int content = net::kContentRecognized;
 };
 
 // Runs the reference and the network of every SIMD target through `commands` for `frames`; returns
 // the largest difference of any output.
 template <Shape kShape = kPaper>
-double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed) {
-  const WeightsFile file = RandomWeights(6, seed, kShape);
+double CompareThrough(const std::vector<Command>& commands, int frames, unsigned seed,
+                      int contents = 0) {
+  const WeightsFile file = contents > 0 ? RandomWeightsWithContents(6, contents, seed, kShape)
+                                        : RandomWeights(6, seed, kShape);
   struct Run {
     std::shared_ptr<const ShapedNetwork<kShape>> network;
     StateOf<kShape> state;
@@ -194,10 +240,10 @@ double CompareThrough(const std::vector<Command>& commands, int frames, unsigned
     for (const net::StyleWeight& style : now.active) active[style.style] = style.weight;
     ReferenceOutput reconstruction, styled;
     const Features features = FeaturesAt(frame, seed);
-    reference.Step(features, now.input_style, active, reconstruction, styled);
+    reference.Step(features, now.input_style, active, reconstruction, styled, now.content);
     for (Run& run : runs) {
       net::Prediction out;
-      run.network->Step(features, now.input_style, now.active, run.state, out);
+      run.network->Step(features, now.input_style, now.active, run.state, out, now.content);
       largest = std::max({largest, Difference(out.reconstruction, reconstruction),
                           Difference(out.styled, styled)});
     }
