@@ -75,6 +75,7 @@ class Several final : public Stylizer {
   explicit Several(std::vector<NamedNetwork> networks) : networks_(std::move(networks)) {
     stay_awake_ = static_cast<int>(kStayAwake_s * networks_.front().network->model().rate_hz);
     ListStyles();
+    ListContents();
     FindSame();
     FindTurns();
     FindGate();
@@ -191,6 +192,7 @@ class Several final : public Stylizer {
         model_(other.model_),
         homes_(other.homes_),
         same_(other.same_),
+        contents_of_(other.contents_of_),
         turns_(other.turns_),
         space_(other.space_),
         stay_awake_(other.stay_awake_) {}
@@ -225,6 +227,23 @@ class Several final : public Stylizer {
     };
     if (taken(style.name)) style.name = network + "-" + style.name;
     std::erase_if(style.aliases, taken);
+  }
+
+  // All contents of the networks, each name once.
+  void ListContents() {
+    model_.contents.clear();
+    for (const NamedNetwork& named : networks_) {
+      for (const std::string& content : named.network->model().contents) {
+        if (!FindContent(model_.contents, content).ok()) model_.contents.push_back(content);
+      }
+    }
+    for (const NamedNetwork& named : networks_) {
+      std::vector<int>& theirs = contents_of_.emplace_back();
+      for (const std::string& content : model_.contents) {
+        const auto own = FindContent(named.network->model().contents, content);
+        theirs.push_back(own.ok() ? own.value() : kContentUnknown);
+      }
+    }
   }
 
   void FindSame() {
@@ -327,6 +346,13 @@ class Several final : public Stylizer {
     stream.fresh = false;
   }
 
+  // A content's number in a network; unknown, if the network lacks it.
+  int ContentOf(int content, std::size_t network) const noexcept {
+    const std::vector<int>& theirs = contents_of_[network];
+    const auto at = static_cast<std::size_t>(content);
+    return content >= 0 && at < theirs.size() ? theirs[at] : content;
+  }
+
   // The network whose reconstruction counts while no style is active: that of the input style,
   // otherwise the first.
   std::size_t Home(int input_style) const noexcept {
@@ -368,7 +394,8 @@ class Several final : public Stylizer {
                            part.stream.get(),
                            &part.out,
                            jobs[j].variations,
-                           jobs[j].performer};
+                           jobs[j].performer,
+                           ContentOf(jobs[j].content, n)};
       }
       if (count > 0) networks_[n].network->Step(std::span(theirs).first(count));
       if (turns_[n]) TurnBack(jobs, n);
@@ -434,9 +461,10 @@ class Several final : public Stylizer {
 
   std::vector<NamedNetwork> networks_;
   Model model_;
-  std::vector<Homes> homes_;                 // of model_.styles
-  std::vector<std::vector<int>> same_;       // of each style, the networks' styles of that name
-  std::vector<std::optional<Turns>> turns_;  // by network; empty: its carriage is model_'s
+  std::vector<Homes> homes_;                   // of model_.styles
+  std::vector<std::vector<int>> same_;         // of each style, the networks' styles of that name
+  std::vector<std::vector<int>> contents_of_;  // by network, its number of each content
+  std::vector<std::optional<Turns>> turns_;    // by network; empty: its carriage is model_'s
   std::shared_ptr<const SeveralSpace> space_;
   int stay_awake_ = 0;
 };

@@ -28,7 +28,8 @@
 // has all active styles, the prediction is exactly that network's, bit for bit.
 //
 // An input style, which is to be removed, is each network's own style of that name, or neutral if
-// it has none. Pinned by tests/unit/net/several_test.cpp.
+// it has none. A content is each network's own of that name; a network that lacks it gets none.
+// Pinned by tests/unit/net/several_test.cpp.
 namespace styled::net {
 
 // How long a network continues without a style, seconds, so that switching back and forth finds a

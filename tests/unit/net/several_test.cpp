@@ -16,6 +16,7 @@ using testing::HasSubstr;
 struct Asked {
   int starts = 0, steps = 0;
   int input_style = -1;
+  int content = kContentRecognized;
   std::vector<int> variations;
 };
 
@@ -88,6 +89,7 @@ class Fake final : public Stylizer {
       ++asked_->steps;
       seen = *job.pose;
       asked_->input_style = job.input_style;
+      asked_->content = job.content;
       asked_->variations.clear();
       for (const VariationWeight& one : job.variations) asked_->variations.push_back(one.variation);
       float turn = 0;
@@ -114,6 +116,7 @@ class Fake final : public Stylizer {
     model_.reference.emplace().walking.rotations[body::kSpine] = body::Exp(body::Vec3(rad, 0, 0));
   }
   void Gate(const GateBounds& bounds) { model_.gate = bounds; }
+  void SetContents(Contents contents) { model_.contents = std::move(contents); }
 
   float velocity = 0;
   mutable body::Pose seen;  // of the last step
@@ -313,6 +316,33 @@ TEST_F(SeveralTest, TheInputStyleIsEachNetworksOwn) {
   EXPECT_EQ(asked_first->input_style, 1);
   Step({{kPirate, 1.0F}}, 2);  // proud, which it lacks
   EXPECT_EQ(asked_second->input_style, 0);
+}
+
+TEST_F(SeveralTest, TheContentIsEachNetworksOwn) {
+  first->SetContents({"walk", "run"});
+  second->SetContents({"kick", "Walk"});
+  both = Combine({{"v2", first}, {"graph", second}}).value();
+  EXPECT_THAT(both->model().contents, ElementsAre("walk", "run", "kick"));
+  stream = both->MakeStream();
+  both->Start(*stream);
+  const std::vector<StyleWeight> styles{{kOld, 0.5F}, {kPirate, 0.5F}};
+  const auto step = [&](int content) {
+    Prediction out;
+    const StepJob job{&pose, 0, styles, stream.get(), &out, {}, nullptr, content};
+    both->Step({&job, 1});
+    return std::pair(asked_first->content, asked_second->content);
+  };
+  EXPECT_EQ(step(0), std::pair(0, 1));
+  EXPECT_EQ(step(1), std::pair(1, kContentUnknown));
+  EXPECT_EQ(step(2), std::pair(kContentUnknown, 0));
+  EXPECT_EQ(step(kContentUnknown), std::pair(kContentUnknown, kContentUnknown));
+  EXPECT_EQ(step(kContentRecognized), std::pair(kContentRecognized, kContentRecognized));
+  // With(), too: a copy of the networks.
+  auto with = both->With(static_cast<int>(both->model().styles.size()), {}, {0.1F});
+  Prediction out;
+  const StepJob job{&pose, 0, styles, stream.get(), &out, {}, nullptr, 2};
+  with->Step({&job, 1});
+  EXPECT_EQ(asked_second->content, 0);
 }
 
 TEST_F(SeveralTest, AnInvalidStyleIsIgnored) {
