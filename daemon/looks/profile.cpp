@@ -210,6 +210,8 @@ std::string Explain(stylist::SettingsError error) {
       return "vary_amount is not within 0 to 1.5";
     case SettingsError::kDrift:
       return "drift_s is not within 0 to 600";
+    case SettingsError::kUnknownContent:
+      return "unknown content";
   }
   return "";
 }

@@ -29,7 +29,7 @@ bool Mixer::Names(int style) const noexcept {
          std::ranges::any_of(slots_, [style](const Slot& slot) { return slot.style == style; });
 }
 
-void Mixer::Carry(Checkpoint& c, int style_count) noexcept {
+void Mixer::Carry(Checkpoint& c, int style_count, int content_count) noexcept {
   for (Slot& slot : slots_) {
     c.Within(slot.style, -1, style_count - 1);
     c(slot.weight);
@@ -41,6 +41,7 @@ void Mixer::Carry(Checkpoint& c, int style_count) noexcept {
   c.Within(count_, 0, active_.size());
   c.Within(input_style_, 0, style_count - 1);
   c.Within(next_input_style_, 0, style_count - 1);
+  if (content_count > 0) c.Within(input_content_, net::kContentUnknown, content_count - 1);
   c(presence_, faded_, parts_, whole_, variation_, elapsed_s_, duration_s_, fading_, running_);
 }
 
@@ -69,6 +70,7 @@ void Mixer::Aim(const Settings& settings) noexcept {
     if (style.style > 0) SlotFor(style.style).weight.target = weight;
     presence_.target = 1;
   }
+  input_content_ = settings.input_content;
   next_input_style_ = settings.input_style;
   if (next_input_style_ > 0) input_style_ = next_input_style_;
   duration_s_ = settings.transition_s;

@@ -34,6 +34,8 @@ class Mixer {
   // The style that the performer is assumed to move in. A new one is used at once; neutral only
   // after the fade.
   int input_style() const { return input_style_; }
+  // The content of the performer's motion (Settings::input_content). A new content is used at once.
+  int input_content() const { return input_content_; }
   // 0 .. 1: how far any style, even neutral, is in effect; and the share of the absolute output
   // instead of the detail-preserving one.
   float presence() const { return presence_.value; }
@@ -44,8 +46,8 @@ class Mixer {
   // it.
   float share(body::Part part) const { return parts_[static_cast<std::size_t>(part)].value; }
   bool whole() const { return whole_; }
-  // See model/base/checkpoint.h. `style_count`: the network's.
-  STYLED_REALTIME void Carry(Checkpoint& c, int style_count) noexcept;
+  // See model/base/checkpoint.h. The counts are the network's.
+  STYLED_REALTIME void Carry(Checkpoint& c, int style_count, int content_count) noexcept;
 
  private:
   struct Fade {
@@ -80,6 +82,7 @@ class Mixer {
   std::array<net::StyleWeight, net::kMaxActive> active_;
   std::size_t count_ = 0;
   int input_style_ = 0, next_input_style_ = 0;
+  int input_content_ = net::kContentRecognized;
   Fade presence_;
   std::array<Fade, kFadedCount> faded_ = InitiallyFaded();
   std::array<Fade, body::kPartCount> parts_ = AllParts();

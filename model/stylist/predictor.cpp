@@ -85,7 +85,8 @@ bool Predictor::Next(const Pose& input, Step& step) noexcept {
 net::StepJob Predictor::JobOf(Step& step, const Mixer& mixer) const noexcept {
   return {step.pose,        mixer.input_style(),
           mixer.in_force(), streams_[static_cast<std::size_t>(step.state)].get(),
-          &step.out,        mixer.variations()};
+          &step.out,        mixer.variations(),
+          nullptr,          mixer.input_content()};
 }
 
 void Predictor::Accept(const Step& step, const Mixer& mixer, const StyleDelta& near) noexcept {

@@ -13,7 +13,7 @@ bool IsIn(float value, float low, float high) { return value >= low && value <= 
 
 }  // namespace
 
-SettingsError Validate(const Settings& settings, int style_count) noexcept {
+SettingsError Validate(const Settings& settings, int style_count, int content_count) noexcept {
   if (settings.input_style < 0 || settings.input_style >= style_count) {
     return SettingsError::kUnknownInputStyle;
   }
@@ -40,6 +40,11 @@ SettingsError Validate(const Settings& settings, int style_count) noexcept {
   }
   if (!IsIn(settings.vary_amount, 0, net::kMaxStrength)) return SettingsError::kVaryAmount;
   if (!IsIn(settings.drift_s, 0, net::kMaxDrift_s)) return SettingsError::kDrift;
+  const bool named = settings.input_content != net::kContentRecognized;
+  if (named && (settings.input_content < net::kContentUnknown ||
+                settings.input_content >= content_count || content_count == 0)) {
+    return SettingsError::kUnknownContent;
+  }
   return SettingsError::kNone;
 }
 

@@ -36,12 +36,13 @@ enum class SettingsError {
   kVariation,          // outside 0 .. net::kVariations
   kVaryAmount,         // outside 0 .. net::kMaxStrength
   kDrift,              // outside 0 .. net::kMaxDrift_s
+  kUnknownContent,     // a number that the network does not have
 };
 
 struct Settings;
-// `style_count`: the network's number of styles, neutral included.
-[[nodiscard]] STYLED_REALTIME SettingsError Validate(const Settings& settings,
-                                                     int style_count) noexcept;
+// `style_count`: the network's number of styles, neutral included; `content_count`: of contents.
+[[nodiscard]] STYLED_REALTIME SettingsError Validate(const Settings& settings, int style_count,
+                                                     int content_count = 0) noexcept;
 
 // The style of one performer. `mix` holds numbers and weights of the network's styles; the weights
 // in effect are these times `strength`. Neutral, 0, may be a target only if `input_style` is
@@ -62,20 +63,27 @@ struct Settings {
   // 0 .. net::kMaxDrift_s; the time in which the variation changes to the next one, 0: constant.
   // Times below tuning::kFastestDrift_s count as that.
   float drift_s = 0;
+  // The content of the performer's motion: a number of the network's contents,
+  // net::kContentRecognized or net::kContentUnknown; the former if the network has none. A new one
+  // is used at once.
+  int input_content = net::kContentRecognized;
 
   // See model/base/checkpoint.h. Refuses what does not pass Validate.
-  STYLED_REALTIME void Carry(Checkpoint& c, int style_count) noexcept {
+  // Without contents the content has no bytes.
+  STYLED_REALTIME void Carry(Checkpoint& c, int style_count, int content_count) noexcept {
     // A structured binding names all members, so that a new one does not compile until it is
     // carried here.
     auto& [mix, strength, transition_s, absolute, parts, root, input_style, variation, vary_amount,
-           drift_s] = *this;
+           drift_s, input_content] = *this;
     for (net::StyleWeight& style : mix) c(style.style, style.weight);
     c(strength, transition_s, absolute, parts);
     bool strides = root == Root::kStride;
     c(strides);
     root = strides ? Root::kStride : Root::kFollow;
     c(input_style, variation, vary_amount, drift_s);
-    if (c.reads() && c.ok() && Validate(*this, style_count) != SettingsError::kNone) c.Refuse();
+    if (content_count > 0) c(input_content);
+    if (!c.reads() || !c.ok()) return;
+    if (Validate(*this, style_count, content_count) != SettingsError::kNone) c.Refuse();
   }
 };
 

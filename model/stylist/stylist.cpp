@@ -198,9 +198,11 @@ void Stylist::Reset() noexcept {
 
 void Stylist::Carry(Checkpoint& c) noexcept {
   Impl& s = *impl_;
-  const auto styles = static_cast<int>(s.predictor.network()->model().styles.size());
-  s.settings.Carry(c, styles);
-  s.mixer.Carry(c, styles);
+  const net::Model& model = s.predictor.network()->model();
+  const auto styles = static_cast<int>(model.styles.size());
+  const auto contents = static_cast<int>(model.contents.size());
+  s.settings.Carry(c, styles, contents);
+  s.mixer.Carry(c, styles, contents);
   c(s.input_guard, s.neutral, s.predictor, s.filter, s.domain, s.gate, s.posture, s.stride,
     s.shift_m, s.rig_shift, s.feet, s.rig_feet, s.feet_style);
   c.Time(s.last_ns);

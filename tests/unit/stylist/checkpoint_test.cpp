@@ -66,8 +66,9 @@ std::vector<Moment> Show(const rig::Binding& binding, std::uint64_t seed) {
   return show;
 }
 
-// Changes of style on the way; `styles`: the network's number of them, neutral included.
-void Direct(int frame, int styles, Stylist& stylist) {
+// Changes of style on the way; `styles`: the network's number of them, neutral included. With
+// contents, they change, too.
+void Direct(int frame, int styles, Stylist& stylist, int contents = 0) {
   Settings settings;
   settings.transition_s = 0.4F;
   switch (frame) {
@@ -97,7 +98,9 @@ void Direct(int frame, int styles, Stylist& stylist) {
     default:
       return;
   }
-  ASSERT_EQ(Validate(settings, styles), SettingsError::kNone) << frame;
+  if (contents > 0 && frame == 120) settings.input_content = contents - 1;
+  if (contents > 0 && frame == 280) settings.input_content = net::kContentUnknown;
+  ASSERT_EQ(Validate(settings, styles, contents), SettingsError::kNone) << frame;
   stylist.Set(settings);
 }
 
@@ -116,6 +119,7 @@ struct CheckpointOf : testing::Test {
   // is new, and into one in the middle of another show.
   void GoesOn(const std::shared_ptr<const net::Stylizer>& network, int every) {
     const auto styles = static_cast<int>(network->model().styles.size());
+    const auto contents = static_cast<int>(network->model().contents.size());
     const std::vector<Moment> show = Show(*binding, 1), other = Show(*binding, 2);
     struct Copy {
       Stylist stylist;
@@ -126,8 +130,8 @@ struct CheckpointOf : testing::Test {
     Output out(binding->skeleton());
     std::vector<Copy> copies;
     for (std::size_t frame = 0; frame < show.size(); ++frame) {
-      Direct(static_cast<int>(frame), styles, first);
-      for (Copy& copy : copies) Direct(static_cast<int>(frame), styles, copy.stylist);
+      Direct(static_cast<int>(frame), styles, first, contents);
+      for (Copy& copy : copies) Direct(static_cast<int>(frame), styles, copy.stylist, contents);
       first.Process(show[frame].time_ns, show[frame].pose, out);
       for (Copy& copy : copies) {
         copy.stylist.Process(show[frame].time_ns, show[frame].pose, copy.out);
@@ -146,7 +150,7 @@ struct CheckpointOf : testing::Test {
       ASSERT_TRUE(Read(fresh.stylist, bytes)) << frame;
       Copy used{Stylist(network, binding, options), Output(binding->skeleton()), frame + 90};
       for (std::size_t past = 0; past < 40; ++past) {
-        Direct(static_cast<int>(past == 0 ? 60 : 0), styles, used.stylist);
+        Direct(static_cast<int>(past == 0 ? 60 : 0), styles, used.stylist, contents);
         used.stylist.Process(other[past].time_ns, other[past].pose, used.out);
       }
       ASSERT_TRUE(Read(used.stylist, bytes)) << frame;
@@ -170,6 +174,18 @@ TEST_F(CheckpointOf, ARecurrentNetworkGoesOn) { GoesOn(erd::RandomStylizer(5, 1)
 TEST_F(CheckpointOf, ARecurrentNetworkWithoutTheLimbGateGoesOn) {
   options.limb_gate = false;  // a random network knows no limb: with the gate little is shown
   GoesOn(erd::RandomStylizer(5, 2, erd::kWide), 13);
+}
+
+TEST_F(CheckpointOf, ANetworkWithContentsGoesOn) {
+  options.limb_gate = false;
+  GoesOn(erd::StylizerOf(erd::RandomWeightsWithContents(5, 3, 1)), 13);
+}
+
+// The bytes of a network without contents are those of before.
+TEST_F(CheckpointOf, OnlyANetworkWithContentsCarriesOne) {
+  Stylist without(erd::RandomStylizer(5, 1), binding, options);
+  Stylist with(erd::StylizerOf(erd::RandomWeightsWithContents(5, 3, 1)), binding, options);
+  EXPECT_EQ(Bytes(with).size(), Bytes(without).size() + 2 * sizeof(int));
 }
 
 TEST_F(CheckpointOf, AGraphNetworkGoesOn) {

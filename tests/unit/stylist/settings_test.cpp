@@ -74,6 +74,24 @@ TEST(SettingsTest, NeutralIsATargetOfStyledInputAlone) {
   }
 }
 
+TEST(SettingsTest, AContentIsOneOfTheNetworks) {
+  Settings settings = Style(1);
+  const auto error = [&settings](int contents) {
+    return Validate(settings, kStyleCount, contents);
+  };
+  EXPECT_EQ(error(0), SettingsError::kNone);  // recognized
+  EXPECT_EQ(error(3), SettingsError::kNone);
+  for (const int content : {net::kContentUnknown, 0, 2}) {
+    settings.input_content = content;
+    EXPECT_EQ(error(3), SettingsError::kNone) << content;
+    EXPECT_EQ(error(0), SettingsError::kUnknownContent) << content;
+  }
+  for (const int content : {3, -3}) {
+    settings.input_content = content;
+    EXPECT_EQ(error(3), SettingsError::kUnknownContent) << content;
+  }
+}
+
 TEST(OptionsTest, DefaultsAreValid) { EXPECT_TRUE(Options().Validate().ok()); }
 
 // The field that the refusal names; "" where there is none.
