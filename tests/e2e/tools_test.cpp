@@ -57,6 +57,67 @@ TEST_F(ToolsTest, StylizeTakesAStyleAway) {
   EXPECT_NE(output_.find("--input-style: unknown style 'zombie'"), std::string::npos) << output_;
 }
 
+// The shipped network with a content input.
+class StylizeContents : public ToolsTest {
+ protected:
+  std::string WithContents(bool idle) {
+    const auto shipped = net::FindWeights("");
+    EXPECT_TRUE(shipped.ok()) << shipped.status().message();
+    erd::WeightsFile file = erd::ReadParts(shipped.value());
+    erd::AddContents(file, 3, 1, idle);
+    const std::string name = folder_ / (idle ? "idle.safetensors" : "contents.safetensors");
+    WriteWeights(name, file);
+    return name;
+  }
+  std::string Stylize(std::vector<std::string> arguments) {
+    const std::string out = folder_ / "out.bvh";
+    arguments.insert(arguments.begin(), {STYLIZE_BINARY, "--overwrite", "--style", "elderly"});
+    arguments.insert(arguments.end(), {in_, out});
+    EXPECT_EQ(Run(arguments), 0) << output_;
+    return ReadText(out);
+  }
+
+  std::string in_ = Walk("30", "3");
+};
+
+TEST_F(StylizeContents, EachContentIsSeen) {
+  const std::string weights = WithContents(false);
+  std::set<std::string> all{Stylize({"--weights", weights})};
+  for (const std::string content : {"unknown", "content1", "CONTENT3"}) {
+    EXPECT_TRUE(all.insert(Stylize({"--weights", weights, "--content", content})).second)
+        << content;
+  }
+}
+
+TEST_F(StylizeContents, IdleContentsChangeNoByte) {
+  const std::string weights = WithContents(true), shipped = Stylize({});
+  EXPECT_EQ(Stylize({"--weights", weights}), shipped);
+  EXPECT_EQ(Stylize({"--weights", weights, "--content", "content2"}), shipped);
+}
+
+TEST_F(StylizeContents, AContentThatTheNetworkLacksIsRefusedWithTheChoices) {
+  const std::string weights = WithContents(false), out = folder_ / "out.bvh";
+  const auto refusal = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), STYLIZE_BINARY);
+    arguments.insert(arguments.end(), {in_, out});
+    EXPECT_EQ(Run(arguments), 2);
+    EXPECT_FALSE(std::filesystem::exists(out));
+    return output_;
+  };
+  EXPECT_NE(refusal({"--weights", weights, "--style", "elderly", "--content", "walk"})
+                .find("--content: unknown content 'walk'; expected one of unknown, content1, "
+                      "content2, content3"),
+            std::string::npos)
+      << output_;
+  EXPECT_NE(refusal({"--style", "elderly", "--content", "unknown"})
+                .find("--content: content 'unknown': the network takes no content as input"),
+            std::string::npos)
+      << output_;
+  EXPECT_NE(refusal({"--weights", weights, "--content", "content1"}).find("expected a style"),
+            std::string::npos)
+      << output_;
+}
+
 TEST_F(ToolsTest, StylizeTakesTheBodyAlongAtTheSpeedOfTheStyle) {
   const std::string in = Walk("30", "4"), out = folder_ / "out.bvh";
   const auto way = [&](const std::string& root) {

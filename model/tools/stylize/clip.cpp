@@ -244,6 +244,8 @@ Result<stylist::ClipStyle> ParseClipStyle(const Arguments& arguments, const Exam
   const auto input_style = FindInputStyle(arguments, styles);
   if (!input_style.ok()) return input_style.status();
   style.input_style = input_style.value();
+  const auto content = FindInputContent(arguments, network.model());  // of none: refuses all
+  if (!content.ok()) return content.status();
   for (const Window& window : kWindows) {
     if (arguments.window == window.word) style.extent = window.extent;
   }

@@ -45,6 +45,9 @@ int List(const Arguments& arguments) {
   auto network = stylize::LoadNetwork(arguments);
   if (!network.ok()) return Fail(network.status());
   std::printf("%s\n", stylize::StyleNames(network.value().model().styles).c_str());
+  for (const std::string& content : network.value().model().contents) {
+    std::fprintf(stderr, "content: --content %s\n", content.c_str());
+  }
   const auto file = styled::stylize::FindWeightsFor(arguments);
   for (const auto& other : styled::net::OtherShippedWeights(file.value())) {
     std::fprintf(stderr, "other weights: --weights %s\n", other.stem().c_str());

@@ -67,6 +67,9 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--input-style,--from", arguments.input_style,
                  "the performer's own style; --style neutral removes it");
+  app.add_option("--content", arguments.content,
+                 "the content of the motion, for weights that take it as input: one of theirs, "
+                 "or unknown (default: the network recognizes it)");
   app.add_option("--root", arguments.root,
                  "place on the floor: follow the performer, or stride, their path scaled by the "
                  "style's effect on speed")
@@ -167,9 +170,10 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
 // Options about styling or weights, which have no effect with --bind-only. Not CLI11's excludes(),
 // which would list as many options behind each of them in the help.
 constexpr const char* kNotWithBindOnly[] = {
-    "--style",   "--strength", "--mix",       "--like",  "--like-neutral", "--design", "--vary",
-    "--amount",  "--window",   "--absolute",  "--parts", "--input-style",  "--root",   "--cadence",
-    "--neutral", "--posture",  "--no-bypass", "--feet",  "--weights",      "--avatar"};
+    "--style",   "--strength", "--mix",     "--like",     "--like-neutral", "--design",
+    "--vary",    "--amount",   "--window",  "--absolute", "--parts",        "--input-style",
+    "--content", "--root",     "--cadence", "--neutral",  "--posture",      "--no-bypass",
+    "--feet",    "--weights",  "--avatar"};
 
 }  // namespace
 
@@ -255,6 +259,10 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
         "--input-style: expected --style, --mix or --like, found none: give "
         "--style neutral to remove " +
         arguments.input_style);
+  }
+  if (!arguments.content.empty() && without && !arguments.no_bypass) {
+    return Status::Error(
+        "--content: expected a style, without which the network does not run: --style or --mix");
   }
   if (arguments.root != "follow" && without) {
     return Status::Error("--root stride: expected a style, whose speed it takes: --style or --mix");

@@ -40,7 +40,8 @@ Status AddStyle(const net::Styles& styles, const std::string& text, const char* 
                        " styles");
 }
 
-Result<stylist::Settings> ParseSettings(const Arguments& arguments, const net::Styles& styles) {
+Result<stylist::Settings> ParseSettings(const Arguments& arguments, const net::Model& model) {
+  const net::Styles& styles = model.styles;
   stylist::Settings settings;
   settings.strength = arguments.strength;
   settings.transition_s = 0;
@@ -52,6 +53,9 @@ Result<stylist::Settings> ParseSettings(const Arguments& arguments, const net::S
   const auto input_style = FindInputStyle(arguments, styles);
   if (!input_style.ok()) return input_style.status();
   settings.input_style = input_style.value();
+  const auto input_content = FindInputContent(arguments, model);
+  if (!input_content.ok()) return input_content.status();
+  settings.input_content = input_content.value();
   if (!arguments.style.empty()) {
     const Status status = AddStyle(styles, arguments.style, "--style", settings);
     if (!status.ok()) return status;
@@ -62,7 +66,8 @@ Result<stylist::Settings> ParseSettings(const Arguments& arguments, const net::S
   }
   const Status known = CheckGait(arguments, styles, settings);
   if (!known.ok()) return known;
-  const auto error = stylist::Validate(settings, static_cast<int>(styles.size()));
+  const auto error = stylist::Validate(settings, static_cast<int>(styles.size()),
+                                       static_cast<int>(model.contents.size()));
   if (error == stylist::SettingsError::kSum) {
     float sum = 0;
     for (const net::StyleWeight& entry : settings.mix) {
@@ -274,7 +279,7 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
   }
   const Status refused = RefuseClipArguments(arguments, *network.frames);
   if (!refused.ok()) return refused;
-  auto settings = ParseSettings(arguments, network.model().styles);
+  auto settings = ParseSettings(arguments, network.model());
   if (!settings.ok()) return settings.status();
   if (!arguments.like.empty() || !arguments.design.empty() || arguments.vary) {
     const auto added = AddBlend(arguments, examples, settings.value(), restyler.network_.frames);
@@ -409,6 +414,12 @@ Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles
   if (style >= 0) return style;
   return Status::Error("--input-style: unknown style '" + arguments.input_style +
                        "'; expected one of " + StyleNames(styles));
+}
+
+Result<int> FindInputContent(const Arguments& arguments, const net::Model& model) {
+  const auto content = net::FindContent(model.contents, arguments.content);
+  if (content.ok()) return content;
+  return Status::Error("--content: " + content.status().message());
 }
 
 Result<body::Parts> FindParts(const Arguments& arguments) {

@@ -37,6 +37,7 @@ struct Arguments {
   std::string root = "follow";        // or "stride": stylist::Root
   std::string neutral = "clip";       // or "live", "none", or a clip of the performer
   std::string input_style;            // the style that the performer moves in
+  std::string content;                // of the motion; "": the network recognizes it
   bool cadence = false;               // warp time, so that steps come as often as the style's
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
   std::string weights, rig = "auto", rest = "auto", avatar;
@@ -85,6 +86,8 @@ std::string WeightsText(const Arguments& arguments);
 Status TooMuch(const Arguments& arguments, float sum);
 // The performer's own style, 0 if the arguments name none.
 Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles);
+// The content that --content names: its number, or kContentRecognized without the option.
+Result<int> FindInputContent(const Arguments& arguments, const net::Model& model);
 Result<body::Parts> FindParts(const Arguments& arguments);
 const char* Explain(stylist::SettingsError error);
 
