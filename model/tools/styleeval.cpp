@@ -206,14 +206,25 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     styler = std::move(read.value());
   }
   if (styler.frames && arguments.root == "stride") styler.frames->root = stylist::Root::kStride;
-  const bool asks_for_live = arguments.robust || arguments.rates || arguments.styled_inputs ||
-                             arguments.foreign || !arguments.clips.empty() ||
-                             arguments.transition_given || arguments.root != "follow" ||
-                             (arguments.long_given && arguments.long_s > 0);
+  if (styler.frames) {
+    auto contents = judge::ContentsOf(styler.frames->network->model().contents, data.manifest,
+                                      arguments.contents);
+    if (!contents.ok()) {
+      return Status::Error("--contents " + arguments.contents + ": " + arguments.weights + ": " +
+                           contents.status().message());
+    }
+    styler.frames->content_of = std::move(contents.value());
+  }
+  const bool asks_for_live =
+      arguments.robust || arguments.rates || arguments.styled_inputs || arguments.foreign ||
+      !arguments.clips.empty() || arguments.transition_given || arguments.root != "follow" ||
+      arguments.contents != "recognized" || (arguments.long_given && arguments.long_s > 0);
   if (styler.clips && asks_for_live) {
-    return Status::Error(arguments.weights +
-                         ": needs whole clips; --robust, --rates, --styled-inputs, --foreign, "
-                         "--clips, --long, --transition and --root judge networks that run live");
+    return Status::Error(
+        arguments.weights +
+        ": needs whole clips; --robust, --rates, --styled-inputs, --foreign, "
+        "--clips, --long, --transition, --root and --contents judge networks that run "
+        "live");
   }
 
   const nlohmann::json provenance =
@@ -326,6 +337,12 @@ int main(int argc, char** argv) {
                  "Place of the styled body on the floor: follow, at the performer's place, or "
                  "stride, their path scaled by the style's effect on speed")
       ->check(CLI::IsMember({"follow", "stride"}))
+      ->capture_default_str();
+  app.add_option("--contents", arguments.contents,
+                 "The content given to a network that takes it as input: recognized, as it "
+                 "recognizes it live; unknown; or label, the clips' own. Feet, switches, "
+                 "--foreign and --clips are judged with recognized ones")
+      ->check(CLI::IsMember({"recognized", "unknown", "label"}))
       ->capture_default_str();
   app.add_flag("--synthetic", arguments.synthetic,
                "Does the content judge recognize the synthetic performer?");

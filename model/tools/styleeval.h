@@ -27,6 +27,7 @@ struct EvalArguments {
   judge::JudgeSettings judges;
   stylist::Options stylist;
   std::string root = "follow";  // or "stride": stylist::Root
+  std::string contents = "recognized";
   float transition_s = net::kUsualTransition_s;
 };
 

@@ -133,7 +133,8 @@ nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluato
       const Poses at_rate = clip::ResamplePoses(some.inputs[i], kStreamRate_hz, rate_hz);
       for (std::size_t style = 1; style < styler.style_of.size(); ++style) {
         if (styler.style_of[style] == kAbsent) continue;
-        const Switch start{0, OneStyle(styler.style_of[style], false)};
+        Switch start{0, OneStyle(styler.style_of[style], false)};
+        start.settings.input_content = styler.ContentOf(some.contents[i]);
         const Poses styled =
             StyleStream(styler.network, styler.binding, options, {&start, 1}, at_rate, rate_hz);
         jerk_in.Add(MeanJerk(at_rate, rate_hz));

@@ -188,6 +188,23 @@ Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifes
   return style_of;
 }
 
+Result<std::vector<int>> ContentsOf(const net::Contents& contents, const clip::Manifest& manifest,
+                                    const std::string& source) {
+  std::vector<int> content_of;
+  if (source == "recognized") return content_of;
+  if (contents.empty()) return Status::Error("the network takes no content as input");
+  content_of.assign(manifest.contents.size(), net::kContentUnknown);
+  if (source == net::kUnknownContent) return content_of;
+  bool found = false;
+  for (std::size_t i = 0; i < content_of.size(); ++i) {
+    const auto content = net::FindContent(contents, manifest.contents[i]);
+    if (content.ok()) content_of[i] = content.value();
+    found = found || content.ok();
+  }
+  if (!found) return Status::Error("has none of the manifest's contents");
+  return content_of;
+}
+
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest) {
   auto network = trial::Load(weights);
   if (!network.ok()) return network.status();
@@ -202,6 +219,7 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
   return Transfer(data, styler.style_of, [&](std::size_t input, int style) {
     Switch start{0, OneStyle(styler.style_of[style], absolute)};
     start.settings.input_style = styler.input_style;
+    start.settings.input_content = styler.ContentOf(data.contents[input]);
     start.settings.root = styler.root;
     return StyleStream(styler.network, styler.binding, options, {&start, 1}, data.inputs[input]);
   });

@@ -43,9 +43,21 @@ struct Styler {
   std::vector<int> style_of;  // manifest style -> network style, or kAbsent, as for neutral
   int input_style = 0;        // the style number that the network is given for the inputs
   stylist::Root root = stylist::Root::kFollow;
+  // The content that the network gets with an input, by the manifest's content; empty: it
+  // recognizes the content itself.
+  std::vector<int> content_of;
+
+  int ContentOf(int content) const {
+    return content_of.empty() ? net::kContentRecognized
+                              : content_of[static_cast<std::size_t>(content)];
+  }
 };
 // The network's number of each style of the manifest. An error if it has none but neutral.
 Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest);
+// Styler::content_of for `source`: "recognized", "unknown", or "label", the manifest's contents. An
+// error if the network takes no content, or has none of the manifest's.
+Result<std::vector<int>> ContentsOf(const net::Contents& contents, const clip::Manifest& manifest,
+                                    const std::string& source);
 Result<Styler> LoadStyler(const std::filesystem::path& weights, const clip::Manifest& manifest);
 
 // The dependence of a constant offset: on the style, or on style and content (which only an offline

@@ -9,6 +9,19 @@ namespace {
 
 constexpr int kBlendFrames = 10;  // overlap of chained clips, at the judges' rate
 
+// One style for all of a run, and the network gets the content of each clip as it begins.
+std::vector<Switch> SwitchesOf(const Styler& styler, int style, const LongRun& run) {
+  std::vector<Switch> switches{{0, OneStyle(style, false)}};
+  if (styler.content_of.empty()) return switches;
+  switches.clear();
+  for (const Chain::Part& part : run.chain.parts) {
+    Switch& next = switches.emplace_back(Switch{part.begin, OneStyle(style, false)});
+    next.settings.input_content =
+        styler.ContentOf(run.contents[static_cast<std::size_t>(part.clip)]);
+  }
+  return switches;
+}
+
 LongRun RunOne(const Styler& styler, const stylist::Options& options, double seconds,
                const std::vector<const train::TrainingClip*>& neutral) {
   std::vector<Poses> clips;
@@ -25,10 +38,10 @@ LongRun RunOne(const Styler& styler, const stylist::Options& options, double sec
     part.end = std::min(part.end * kStreamPerJudge, run.chain.poses.size());
   }
   for (const int style : styler.style_of) {
-    const Switch start{0, OneStyle(style, false)};
-    run.styled.push_back(style == kAbsent ? Poses()
-                                          : StyleStream(styler.network, styler.binding, options,
-                                                        {&start, 1}, run.chain.poses));
+    run.styled.push_back(style == kAbsent
+                             ? Poses()
+                             : StyleStream(styler.network, styler.binding, options,
+                                           SwitchesOf(styler, style, run), run.chain.poses));
   }
   return run;
 }
