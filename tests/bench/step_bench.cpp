@@ -25,6 +25,13 @@ struct WideRun : StepRunOf<kWide> {
   explicit WideRun(int styles) : StepRunOf(RandomWideNetwork(16, 1), styles) {}
 };
 
+// The same network with a content input, which it recognizes.
+template <int kContents>
+struct ContentsRun : StepRun {
+  explicit ContentsRun(int styles)
+      : StepRun(NetworkOf(RandomWeightsWithContents(16, kContents, 1)), styles) {}
+};
+
 struct PlainRun : OurRun {
   PlainStep plain;
   explicit PlainRun(int styles) : OurRun(styles), plain(RandomWeights(16, 1), active) {}
@@ -194,6 +201,8 @@ void Styles(benchmark::internal::Benchmark* bench) {
   bench->ArgName("styles")->Arg(0)->Arg(1)->Arg(4)->Unit(benchmark::kMicrosecond);
 }
 BENCHMARK(Hot<OurRun>)->Apply(Styles);
+BENCHMARK(Hot<ContentsRun<5>>)->Apply(Styles);
+BENCHMARK(Hot<ContentsRun<64>>)->Apply(Styles);
 BENCHMARK(Hot<WideRun>)->Apply(Styles);
 BENCHMARK(Hot<PlainRun>)->Apply(Styles);
 BENCHMARK(ReadWeights)->Apply(Styles);
@@ -203,6 +212,7 @@ void Performers(benchmark::internal::Benchmark* bench) {
 }
 BENCHMARK(Crowd<OurRun, false>)->Apply(Performers);
 BENCHMARK(Crowd<OurRun, true>)->Apply(Performers);
+BENCHMARK(Crowd<ContentsRun<5>, true>)->Apply(Performers);
 BENCHMARK(Crowd<WideRun, false>)->Apply(Performers);
 BENCHMARK(Crowd<WideRun, true>)->Apply(Performers);
 BENCHMARK(Cold<OurRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
