@@ -85,12 +85,7 @@ void Sampler::FindPairs() {
       if (style > 0 && neutral_[cell.content].empty()) continue;
       for (const auto& places : cell.places) {
         for (const auto& [clip, start] : places) {
-          Window window;
-          window.style = style;
-          window.clip = clip;
-          window.start = start;
-          window.content = cell.content;
-          to.push_back(window);
+          to.push_back({.style = style, .clip = clip, .start = start, .content = cell.content});
         }
       }
     }
