@@ -38,7 +38,7 @@ struct Values {
 // One [[clips]] table.
 struct Rule {
   std::string pattern, style, content, rig = "auto", split = "train";
-  double judge_share = 0, validation_share = 0;
+  double judge_share = 0, validation_share = 0, test_share = 0;
   double from = 0, to = 1, repeat_s = 0, skip_s = 0;
   bool floor_at_feet = false, still = true;
   std::string person;
@@ -340,9 +340,9 @@ class Loader {
   }
 
   bool ReadRule(const toml::table& table, Rule& rule) {
-    if (!OnlyKeys(table,
-                  {"pattern", "style", "content", "rig", "split", "judge_share", "validation_share",
-                   "time", "repeat_s", "skip_s", "floor", "still", "person", "except"}) ||
+    if (!OnlyKeys(table, {"pattern", "style", "content", "rig", "split", "judge_share",
+                          "validation_share", "test_share", "time", "repeat_s", "skip_s", "floor",
+                          "still", "person", "except"}) ||
         !String(table, "pattern", true, rule.pattern) ||
         !String(table, "style", false, rule.style) ||
         !String(table, "content", false, rule.content) || !String(table, "rig", false, rule.rig) ||
@@ -379,11 +379,13 @@ class Loader {
         !names(manifest_.contents, rule.content, [](const std::string& s) { return s; })) {
       return Fail(table, "content", "\"" + rule.content + "\"", "the name of one of the contents");
     }
-    if (rule.split != "train" && rule.split != "judge" && rule.split != "validation") {
-      return Fail(table, "split", "\"" + rule.split + "\"", "train, judge or validation");
+    if (rule.split != "train" && rule.split != "judge" && rule.split != "validation" &&
+        rule.split != "test") {
+      return Fail(table, "split", "\"" + rule.split + "\"", "train, judge, validation or test");
     }
-    if (!Share(table, "judge_share", rule.split, rule.judge_share) ||
-        !Share(table, "validation_share", rule.split, rule.validation_share)) {
+    if (!Share(table, "judge_share", rule.split, "train", rule.judge_share) ||
+        !Share(table, "validation_share", rule.split, "train", rule.validation_share) ||
+        !Share(table, "test_share", rule.split, "validation", rule.test_share)) {
       return false;
     }
     return rule.judge_share + rule.validation_share < 1 ||
@@ -391,10 +393,10 @@ class Loader {
                 "a part that is left for training");
   }
 
-  // The share of a rule's clips that goes to another split. Leaves `out` unchanged if the key is
-  // missing.
+  // The share of a rule's clips that goes from the split `of` to another one. Leaves `out`
+  // unchanged if the key is missing.
   bool Share(const toml::table& table, std::string_view key, const std::string& split,
-             double& out) {
+             const std::string& of, double& out) {
     const toml::node* node = table.get(key);
     if (node == nullptr) return true;
     const auto share = node->value<double>();
@@ -402,9 +404,9 @@ class Loader {
       return Fail(*node, std::string(key), share ? std::to_string(*share) : "something else",
                   "a number from 0 to below 1");
     }
-    if (split != "train") {
+    if (split != of) {
       return Fail(*node, std::string(key), "it with split \"" + split + "\"",
-                  "it with split \"train\" only");
+                  "it with split \"" + of + "\" only");
     }
     out = *share;
     return true;
@@ -482,10 +484,10 @@ class Loader {
     return true;
   }
 
-  // Assigns the last takes of every (style, content) cell to the validation, those before them to
-  // the judge; at least one clip stays in each.
+  // Assigns the last takes of every (style, content) cell to the test or the validation, those
+  // before them to the judge; at least one clip stays in each.
   void SetAside(std::size_t first, const Rule& rule) {
-    if (rule.judge_share <= 0 && rule.validation_share <= 0) return;
+    if (rule.judge_share <= 0 && rule.validation_share <= 0 && rule.test_share <= 0) return;
     std::map<std::tuple<std::string, std::string>, std::vector<ManifestEntry*>> cells;
     for (std::size_t i = first; i < manifest_.entries.size(); ++i) {
       ManifestEntry& entry = manifest_.entries[i];
@@ -497,8 +499,9 @@ class Loader {
       });
       const auto count = static_cast<double>(entries.size());
       std::size_t left = entries.size();
-      for (const auto& [split, share] :
-           {std::pair{"validation", rule.validation_share}, {"judge", rule.judge_share}}) {
+      for (const auto& [split, share] : {std::pair{"test", rule.test_share},
+                                         {"validation", rule.validation_share},
+                                         {"judge", rule.judge_share}}) {
         const auto wanted = static_cast<std::size_t>(std::lround(share * count));
         for (const std::size_t end = left - std::min(wanted, left - 1); left > end; --left) {
           entries[left - 1]->split = split;

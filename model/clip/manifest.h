@@ -14,7 +14,7 @@ struct ManifestEntry {
   std::string style;    // one of Manifest::styles
   std::string content;  // one of Manifest::contents
   std::string rig;      // a dialect of rig::BindDialect, "auto" by default, or "standing"
-  std::string split;    // "train", "judge" or "validation"
+  std::string split;    // "train", "judge", "validation" or "test"
   int take = 0;
   double from = 0, to = 1;     // the part of the clip to use, as shares of its duration
   double repeat_s = 0;         // a loop: repeated, its path continued, for at least this long
@@ -50,8 +50,9 @@ struct ManifestEntry {
 // Paths are relative to the data folder given at load time. {content} and {style} match any of
 // their labels, the longest first; {take} digits; * anything but "/". Files without a label are
 // left out. validation_share, beside judge_share: the takes that go to "validation", the very last;
-// both are rounded per cell, and one clip of it stays. Errors: an unknown key, patterns that select
-// overlapping parts of a file. Pinned by tests/unit/clip/manifest_test.cpp.
+// with split "validation", test_share: the takes that go to "test", which no training or choice may
+// see. Shares are rounded per cell, and one clip of it stays. Errors: an unknown key, patterns that
+// select overlapping parts of a file. Pinned by tests/unit/clip/manifest_test.cpp.
 struct ManifestStyle {
   std::string name;
   std::vector<std::string> labels, aliases;

@@ -83,7 +83,8 @@ TEST_F(ManifestTest, NamesFileLineKeyAndWhatIsWrong) {
        "style: found \"drunk\", expected the name of one of the styles"},
       {kHead + std::string("[[clips]]\npattern = \"d/*{style}*\"\ncontent = \"swim\"\n"),
        "content: found \"swim\""},
-      {kHead + Rule("split = \"test\"\n"), "split: found \"test\", expected train, judge or valid"},
+      {kHead + Rule("split = \"exam\"\n"),
+       "split: found \"exam\", expected train, judge, validation or test"},
       {kHead + Rule("judge_share = 1.0\n"), "judge_share: found 1.0"},
       {kHead + Rule("judge_share = -0.1\n"), "judge_share: found -0.1"},
       {kHead + Rule("judge_share = \"all\"\n"), "judge_share: found something else"},
@@ -257,6 +258,20 @@ TEST_F(ManifestTest, SetsTheVeryLastTakesAsideForTheValidation) {
   for (const ManifestEntry& entry : manifest.value().entries) splits.push_back(entry.split);
   EXPECT_THAT(splits, testing::ElementsAre("train", "train", "judge", "judge", "validation",
                                            "validation", "train", "validation"));
+}
+
+TEST_F(ManifestTest, SetsTheLastTakesOfAValidationAsideForTheTest) {
+  for (int take = 1; take <= 3; ++take) Touch("d/walk_normal_" + std::to_string(take) + ".bvh");
+  Touch("d/walk_old_1.bvh");
+  const Result<Manifest> manifest =
+      Load(kHead + Rule("split = \"validation\"\ntest_share = 0.5\n"));
+  ASSERT_TRUE(manifest.ok()) << manifest.status().message();
+  std::vector<std::string> splits;
+  for (const ManifestEntry& entry : manifest.value().entries) splits.push_back(entry.split);
+  EXPECT_THAT(splits, testing::ElementsAre("validation", "test", "test", "validation"));
+  EXPECT_THAT(Refusal(kHead + Rule("test_share = 0.5\n")),
+              HasSubstr("test_share: found it with split \"train\", expected it with split "
+                        "\"validation\" only"));
 }
 
 TEST_F(ManifestTest, EveryPartSaysWhatIsWrongWithIt) {
