@@ -25,7 +25,8 @@ struct Arguments {
   std::string design, manifest, data, out, cache, json;
   std::uint64_t seed = 1;
   train::baselines::Budget budget;
-  judge::JudgeSettings judges;
+  std::string judges_file;
+  judge::JudgeSettings judges = {.count = judge::kUsualJudges};
   double macs = 47.1e6;
   // By examples on set 2, SRA and CRA: 0.19 and 0.90 at 1, 0.58 and 0.80 at 10, 0.60 and 0.75 at
   // 100.
@@ -54,16 +55,17 @@ std::shared_ptr<train::baselines::Baseline> MakeNetwork(const Arguments& argumen
   return train::baselines::MakeAberman(material, channels, arguments.seed);
 }
 
-Status Judge(const Arguments& arguments, const judge::Data& data,
+Status Judge(const Arguments& arguments, const std::string& command, const judge::Data& data,
              const std::shared_ptr<train::baselines::Baseline>& network, nlohmann::json& json) {
-  const std::filesystem::path cache = arguments.cache;
-  const auto judges = judge::TrainJudges(data, arguments.judges, cache);
-  if (!judges.ok()) return judges.status();
-  const auto parts = judge::TrainPartJudges(data, arguments.judges, cache);
-  if (!parts.ok()) return parts.status();
-  const judge::Evaluator evaluator(data.manifest, judges.value(), data.train, data.judge,
-                                   data.validation);
-  const judge::Comparison comparison(data.manifest, judges.value(), parts.value(), data.judge);
+  const auto panel = arguments.judges_file.empty()
+                         ? judge::TrainPanel(data, arguments.judges, arguments.cache)
+                         : judge::ReadPanel(arguments.judges_file, data.judge, data.manifest);
+  if (!panel.ok()) return panel.status();
+  json["provenance"] = judge::Provenance(command, data, panel.value(), {});
+  judge::PrintProvenance(json["provenance"]);
+  const judge::Judges& judges = panel.value().judges;
+  const judge::Evaluator evaluator(data.manifest, judges, data.train, data.judge, data.validation);
+  const judge::Comparison comparison(data.manifest, judges, panel.value().parts, data.judge);
   auto style_of = judge::StylesOf(network->model().styles, data.manifest);
   if (!style_of.ok()) return style_of.status();
   const judge::ClipRestyler restyler(network, style_of.value(), {}, arguments.form);
@@ -71,11 +73,15 @@ Status Judge(const Arguments& arguments, const judge::Data& data,
   std::vector<judge::Compared> sets;
   sets.push_back(comparison.OfReal("real", "real clips", data.validation));
   sets.push_back(comparison.OfStyled("neutral", "neutral input", judge::Unstyled(data)));
+  const std::vector<judge::Transferred> by_offset = judge::ApplyBaseline(data);
+  const judge::Figures offset = evaluator.Measure("constant offset", by_offset);
+  json["baseline"] = evaluator.ToJson(offset);
+  sets.push_back(comparison.OfStyled("offset", "constant offset", by_offset));
   const auto judge = [&](const char* key, const char* heading, judge::CodeFrom from) {
     const auto clips = judge::Restyle(data, restyler, judge::TargetsOf(data, from));
     const judge::Figures figures =
         evaluator.Measure(arguments.design + ", styled by " + heading, clips);
-    evaluator.Print(figures);
+    evaluator.Print(figures, &offset);
     json[key] = evaluator.ToJson(figures);
     sets.push_back(comparison.OfStyled(key, heading, clips));
     return judge::MeasureDetails(data, arguments.design, clips);
@@ -93,10 +99,9 @@ Status Run(const Arguments& arguments, const std::string& command) {
   const auto loaded = judge::LoadData(arguments.manifest, {}, arguments.data);
   if (!loaded.ok()) return loaded.status();
   const judge::Data& data = loaded.value();
-  nlohmann::json json = {{"provenance", judge::Provenance(command, data, arguments.judges, {})}};
-  judge::PrintProvenance(json["provenance"]);
+  nlohmann::json json;
   std::filesystem::create_directories(arguments.out);
-  std::filesystem::create_directories(arguments.cache);
+  if (!arguments.cache.empty()) std::filesystem::create_directories(arguments.cache);
   const std::vector<train::TrainingClip> clips = LongEnough(data.train);
   const train::baselines::Material material(data.manifest, clips);
   double macs = 0;
@@ -108,7 +113,7 @@ Status Run(const Arguments& arguments, const std::string& command) {
   }
   network->TrainOrLoad(arguments.budget,
                        std::filesystem::path(arguments.out) / (arguments.design + ".pt"));
-  const Status judged = Judge(arguments, data, network, json);
+  const Status judged = Judge(arguments, command, data, network, json);
   if (!judged.ok() || arguments.json.empty()) return judged;
   return judge::WriteJson(json, arguments.json);
 }
@@ -146,7 +151,13 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--out", arguments.out,
                  "Folder for the trained network, DESIGN.pt, which is read if it is there")
       ->required();
-  app.add_option("--cache", arguments.cache, "Folder where trained judges are kept")->required();
+  CLI::Option* const judges = app.add_option("--judges", arguments.judges_file,
+                                             "File of trained judges, of styleeval --write-judges");
+  CLI::Option* const cache =
+      app.add_option("--cache", arguments.cache, "Folder where trained judges are kept");
+  auto* const either = app.add_option_group("judges", "Where the judges are");
+  either->add_options(judges, cache);
+  either->require_option(1, 2);
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
   AddTrainingOptions(app, arguments);
   app.add_flag("--absolute", arguments.form.absolute,
@@ -154,6 +165,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--clip-rate", arguments.form.rate_hz,
                  "120 styles clips as a live stream of that rate, 30 as they were recorded")
       ->check(CLI::IsMember({30, 120}))
+      ->capture_default_str();
+  app.add_option("--judge-seeds", arguments.judges.count, "How many judges; figures are means")
+      ->check(Whole(1, judge::kMostJudges))
       ->capture_default_str();
   app.add_option("--judge-iterations", arguments.judges.iterations, "Training steps of the judges")
       ->check(Number(1, 1e7))

@@ -17,6 +17,7 @@
 #include "model/train/judge/details.h"
 #include "model/train/judge/evidence.h"
 #include "model/train/judge/examples.h"
+#include "model/train/judge/ledger.h"
 #include "model/train/judge/live_restyler.h"
 #include "model/train/judge/mixed.h"
 #include "model/train/judge/pictures.h"
@@ -27,13 +28,18 @@ namespace styled {
 constexpr int kVariations = 10;  // noises, and examples, of one input and style
 
 void Report(EvalSession& session, const char* key, const std::string& title,
-            const std::vector<judge::Transferred>& clips) {
+            const std::vector<judge::Transferred>& clips, const judge::Figures* offset) {
   const judge::Figures figures = session.evaluator.Measure(title, clips);
   if (figures.cra.windows == 0) {
     std::printf("\n%s: not judged, no clip is as long as a window\n", title.c_str());
     return;
   }
-  session.evaluator.Print(figures);
+  judge::Figures own;
+  if (offset == nullptr) {
+    own = session.evaluator.Measure("", judge::ByBaseline(session.data, clips));
+    offset = &own;
+  }
+  session.evaluator.Print(figures, offset);
   session.json[key] = session.evaluator.ToJson(figures);
 }
 
@@ -50,7 +56,8 @@ Status CheckFiles(const EvalArguments& arguments) {
   }
   for (const auto& [flag, file] :
        {std::pair("--json", arguments.json), std::pair("--report", arguments.report),
-        std::pair("--write-offset", arguments.write_offset)}) {
+        std::pair("--write-offset", arguments.write_offset),
+        std::pair("--write-judges", arguments.write_judges)}) {
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder)) {
       return Status::Error(std::string(flag) + " " + file + ": no such folder");
@@ -67,11 +74,11 @@ void PrintJudgesOnReal(const judge::Evaluator& evaluator, int window) {
   const judge::Share& style = evaluator.real_style();
   const judge::Share& content = evaluator.real_content();
   std::printf(
-      "judges on real clips (%.0f windows of %d frames): style %.3f [%.3f %.3f], worst %.2f (%s); "
-      "content %.3f [%.3f %.3f], worst %.2f (%s)\n",
-      style.windows, window, style.value, style.low, style.high, style.worst,
-      evaluator.CellName(style.worst_cell).c_str(), content.value, content.low, content.high,
-      content.worst, evaluator.CellName(content.worst_cell).c_str());
+      "judges on real clips (%.0f windows of %d frames): style %s [%.3f %.3f], worst %.2f (%s); "
+      "content %s [%.3f %.3f], worst %.2f (%s)\n",
+      style.windows, window, judge::Padded(style, 0, 3).c_str(), style.low, style.high, style.worst,
+      evaluator.CellName(style.worst_cell).c_str(), judge::Padded(content, 0, 3).c_str(),
+      content.low, content.high, content.worst, evaluator.CellName(content.worst_cell).c_str());
 }
 
 // The results of the weights for the inputs in one mode.
@@ -129,8 +136,10 @@ std::vector<Styled> StyleBy(const judge::AnyStyler& styler, const judge::Data& d
 void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
                   const Outputs& outputs) {
   const judge::Data& data = session.data;
+  const judge::Figures offset =
+      session.evaluator.Measure("baseline (a constant rotation per joint)", outputs.offset);
   for (const Styled& styled : outputs.styled) {
-    Report(session, styled.key, styled.title, styled.clips);
+    Report(session, styled.key, styled.title, styled.clips, &offset);
   }
   std::vector<judge::Compared> sets;
   sets.push_back(comparison.OfReal("real", "real clips", data.validation));
@@ -151,9 +160,9 @@ void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
           : judge::MeasureDetails(data, outputs.styled.back().heading, outputs.styled.back().clips);
   judge::Print(data.manifest, details);
   session.json["details"] = judge::ToJson(data.manifest, details);
-  Report(session, "baseline", "baseline (a constant rotation per joint)", outputs.offset);
+  Report(session, "baseline", offset.name, outputs.offset, &offset);
   Report(session, "baseline_per_content", "a constant rotation per joint and content",
-         outputs.offset_per_content);
+         outputs.offset_per_content, &offset);
 }
 
 void JudgeCodes(EvalSession& session, const judge::ClipRestyler& restyler) {
@@ -183,13 +192,29 @@ Status WriteResults(const EvalSession& session, const Outputs& outputs) {
   return judge::WriteJson(session.json, arguments.json);
 }
 
+Result<judge::Panel> MakePanel(const EvalArguments& arguments, const judge::Data& data) {
+  if (arguments.judges_file.empty()) {
+    return judge::TrainPanel(data, arguments.judges, arguments.cache);
+  }
+  return judge::ReadPanel(arguments.judges_file, data.judge, data.manifest);
+}
+
+Status WriteJudges(const EvalArguments& arguments, const judge::Data& data) {
+  const auto panel = MakePanel(arguments, data);
+  if (!panel.ok()) return panel.status();
+  judge::PrintJudges(judge::JudgesOf(panel.value()));
+  return judge::WritePanel(panel.value(), arguments.write_judges);
+}
+
 Status Run(const EvalArguments& arguments, const std::string& command) {
   const Status files = CheckFiles(arguments);
   if (!files.ok()) return files;
-  const auto loaded = judge::LoadData(arguments.manifest, arguments.inputs, arguments.data);
+  const auto loaded =
+      judge::LoadData(arguments.manifest, arguments.inputs, arguments.data, arguments.split);
   if (!loaded.ok()) return loaded.status();
   const judge::Data& data = loaded.value();
   if (!arguments.write_offset.empty()) return judge::WriteBaseline(data, arguments.write_offset);
+  if (!arguments.write_judges.empty()) return WriteJudges(arguments, data);
   const bool with_weights = !arguments.weights.empty();
   judge::AnyStyler styler;
   if (!arguments.examples.empty()) {
@@ -227,17 +252,21 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
         "live");
   }
 
+  const auto panel = MakePanel(arguments, data);
+  if (!panel.ok()) return panel.status();
+  const judge::Judges& judges = panel.value().judges;
   const nlohmann::json provenance =
-      judge::Provenance(command, data, arguments.judges, arguments.weights);
+      judge::Provenance(command, data, panel.value(), arguments.weights);
   judge::PrintProvenance(provenance);
-  const auto judges = judge::TrainJudges(data, arguments.judges, arguments.cache);
-  if (!judges.ok()) return judges.status();
-  const auto parts = judge::TrainPartJudges(data, arguments.judges, arguments.cache);
-  if (!parts.ok()) return parts.status();
-  const judge::Evaluator evaluator(data.manifest, judges.value(), data.train, data.judge,
-                                   data.validation);
-  PrintJudgesOnReal(evaluator, judges.value().settings().window);
-  EvalSession session{arguments, data, judges.value(), evaluator, {}, {}};
+  judge::TestUse use;
+  if (arguments.split == judge::kTest) {
+    use = judge::UseOf(provenance, arguments.commit);
+    const Status begun = judge::BeginTest(use, arguments.again, arguments.ledger);
+    if (!begun.ok()) return begun;
+  }
+  const judge::Evaluator evaluator(data.manifest, judges, data.train, data.judge, data.validation);
+  PrintJudgesOnReal(evaluator, judges.settings().window);
+  EvalSession session{arguments, data, judges, evaluator, {}, {}};
   session.json = {{"judges_on_real", evaluator.RealToJson()},
                   {"provenance", provenance},
                   {"glossary", judge::Glossary()}};
@@ -247,8 +276,12 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     outputs.styled = StyleBy(styler, data, arguments.stylist, !arguments.examples.empty());
   outputs.offset = judge::ApplyBaseline(data);
   outputs.offset_per_content = judge::ApplyBaseline(data, judge::OffsetPer::kContent);
-  const judge::Comparison comparison(data.manifest, judges.value(), parts.value(), data.judge);
+  const judge::Comparison comparison(data.manifest, judges, panel.value().parts, data.judge);
   JudgeOutputs(session, comparison, outputs);
+  if (arguments.split == judge::kTest) {
+    const Status ended = judge::EndTest(use, judge::LedgerFigures(session.json), arguments.ledger);
+    if (!ended.ok()) return ended;
+  }
   if (arguments.synthetic) JudgeSynthetic(session);
   if (styler.frames) {
     const Status judged = JudgeConditions(session, *styler.frames);
@@ -256,7 +289,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   }
   if (styler.clips) {
     JudgeCodes(session, *styler.clips);
-    const judge::MixedFigures mixed = judge::MeasureMixed(data, judges.value(), *styler.clips);
+    const judge::MixedFigures mixed = judge::MeasureMixed(data, judges, *styler.clips);
     judge::Print(data.manifest, mixed);
     session.json["mixed_acts"] = judge::ToJson(data.manifest, mixed);
     if (!arguments.report.empty()) session.pictures = judge::PicturesOf(data, *styler.clips);
@@ -268,7 +301,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   const Styled& of_lists = styler.frames ? outputs.styled.back() : outputs.styled.front();
   return judge::WriteEvidence(judge::EvidenceOf(data.manifest, data.train, judge::kJudgeRate_hz,
                                                 evaluator.Measure("", of_lists.clips)),
-                              arguments.weights);
+                              {data.manifest.name, panel.value().hash}, arguments.weights);
 }
 
 }  // namespace
@@ -299,6 +332,26 @@ int main(int argc, char** argv) {
                    "Write into the weights how often each style is recognized and how much of it "
                    "was recorded")
           ->excludes(write_offset);
+  CLI::Option* const judges =
+      app.add_option("--judges", arguments.judges_file,
+                     "File of trained judges, of --write-judges, instead of training them");
+  CLI::Option* const write_judges =
+      app.add_option("--write-judges", arguments.write_judges,
+                     "Only train the judges and write them to this file")
+          ->excludes(judges)
+          ->excludes(write_offset)
+          ->excludes(write_evidence);
+  app.add_option("--split", arguments.split,
+                 "The clips that are judged: validation, on which weights may be chosen, or test, "
+                 "which is used once for the same weights")
+      ->check(CLI::IsMember({styled::judge::kValidation, styled::judge::kTest}))
+      ->capture_default_str();
+  app.add_option("--ledger", arguments.ledger,
+                 "--split test: the file of all uses of test splits, model/weights/TESTED.tsv");
+  app.add_option("--commit", arguments.commit,
+                 "--split test: the commit that the programs were built of, for the ledger");
+  app.add_flag("--again", arguments.again,
+               "--split test: though the ledger has a line of these weights");
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
   app.add_option("--report", arguments.report,
                  "Write a page (HTML) with tables, plots and animated stick figures");
@@ -374,7 +427,11 @@ int main(int argc, char** argv) {
                    : "'" + text + "': expected a multiple of 4 from 24 to 240";
       })
       ->capture_default_str();
-  app.add_option("--seed", arguments.judges.seed, "Seed of the judges")
+  app.add_option("--judge-seeds", arguments.judges.count,
+                 "How many judges: figures are their mean, with the spread of what each says")
+      ->check(styled::Whole(1, styled::judge::kMostJudges))
+      ->capture_default_str();
+  app.add_option("--seed", arguments.judges.seed, "Seed of the first judge")
       ->check(styled::Whole(0, std::numeric_limits<unsigned>::max()))
       ->capture_default_str();
   if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
@@ -384,8 +441,16 @@ int main(int argc, char** argv) {
   }
   arguments.long_given = long_s->count() > 0;
   arguments.transition_given = transition->count() > 0;
-  if (cache->empty() && write_offset->empty()) {
-    std::cerr << "styleeval: --cache is required\n";
+  if (cache->empty() && write_offset->empty() && judges->empty()) {
+    std::cerr << "styleeval: --cache or --judges is required\n";
+    return styled::kBadArguments;
+  }
+  const bool test = arguments.split == styled::judge::kTest;
+  const bool recorded =
+      !arguments.weights.empty() && !arguments.ledger.empty() && !arguments.commit.empty();
+  if (test && (!recorded || !write_evidence->empty())) {
+    std::cerr << "styleeval: --split test needs --weights, --ledger and --commit, and no "
+                 "--write-evidence\n";
     return styled::kBadArguments;
   }
   const styled::Status status = styled::Run(arguments, styled::judge::CommandLine(argc, argv));

@@ -16,6 +16,9 @@ namespace styled {
 
 struct EvalArguments {
   std::string weights, examples, manifest, inputs, data, cache, json, report, write_offset;
+  std::string judges_file, write_judges;                   // instead of training; only train
+  std::string split = judge::kValidation, ledger, commit;  // the latter two: of a test
+  bool again = false;
   double long_s = 60;
   bool long_given = false, transition_given = false;  // on the command line
   double clip_rate_hz = judge::kStreamRate_hz;
@@ -24,7 +27,7 @@ struct EvalArguments {
   bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false,
        foreign = false;
   std::vector<std::filesystem::path> clips;
-  judge::JudgeSettings judges;
+  judge::JudgeSettings judges = {.count = judge::kUsualJudges};
   stylist::Options stylist;
   std::string root = "follow";  // or "stride": stylist::Root
   std::string contents = "recognized";
@@ -42,9 +45,10 @@ struct EvalSession {
   std::vector<judge::Picture> pictures = {};
 };
 
-// Measures, prints and records the clips under `key`, unless none is as long as a window.
+// Measures, prints and records the clips under `key`, unless none is as long as a window. `offset`:
+// the constant offset's figures on the same inputs; null: they are measured.
 void Report(EvalSession& session, const char* key, const std::string& title,
-            const std::vector<judge::Transferred>& clips);
+            const std::vector<judge::Transferred>& clips, const judge::Figures* offset = nullptr);
 
 // Weights that run live, under every condition that the arguments request; styleeval_live.cpp. The
 // ordinary condition, clip by clip, is judged before.

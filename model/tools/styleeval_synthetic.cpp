@@ -50,7 +50,7 @@ void JudgeSynthetic(EvalSession& session) {
     const int content = static_cast<int>(found - contents.begin());
     const synthetic::Motion pause = performance.script.back().motion;
     const bool pauses = performance.script.size() > 1;
-    std::vector<int> answers(contents.size(), 0);
+    std::vector<double> answers(contents.size(), 0);  // mean over judges
     for (int k = 0; k < kPerformers; ++k) {
       synthetic::Performer human(
           synthetic::Vary(1, static_cast<std::uint64_t>(k), performance.script));
@@ -61,33 +61,38 @@ void JudgeSynthetic(EvalSession& session) {
         const bool paused = pauses && human.motion() == pause;
         counted[i] = paused ? 0 : (i > 0 ? counted[i - 1] : 0) + 1;
       }
-      const judge::Verdicts said = session.judges.Judge(
+      const std::vector<judge::Verdicts> said = session.judges.Judge(
           judge::MakeSequence(poses, 0, content, false, session.judges.parameters()), 8);
       judge::ClipVerdict verdict{.cell = content, .clip = k};
-      for (std::size_t i = 0; i < said.starts.size(); ++i) {
+      for (std::size_t i = 0; i < said.front().starts.size(); ++i) {
         // Frame f of the sequence is pose f + 1.
         const int window = session.judges.settings().window;
-        if (counted[static_cast<std::size_t>(said.starts[i] + window)] < window) continue;
-        verdict.windows += 1;
-        verdict.hits += said.content[i] == content;
-        ++answers[static_cast<std::size_t>(said.content[i])];
+        if (counted[static_cast<std::size_t>(said.front().starts[i] + window)] < window) continue;
+        std::vector<double> hits;
+        for (const judge::Verdicts& of_judge : said) {
+          hits.push_back(of_judge.content[i] == content ? 1 : 0);
+          answers[static_cast<std::size_t>(of_judge.content[i])] +=
+              1.0 / static_cast<double>(said.size());
+        }
+        verdict.Add(hits, 1);
       }
       verdicts.push_back(verdict);
     }
     double total = 0;
-    for (const int count : answers) total += count;
+    for (const double count : answers) total += count;
     const double share = answers[static_cast<std::size_t>(content)] / std::max(1.0, total);
     std::printf("  %-6s %.3f of %4.0f:", performance.content, share, total);
     for (std::size_t i = 0; i < contents.size(); ++i) {
-      std::printf("  %s %d", contents[i].c_str(), answers[i]);
+      std::printf("  %s %.1f", contents[i].c_str(), answers[i]);
     }
     std::printf("\n");
     session.json["synthetic"][performance.content] = {{"recognized", share}, {"windows", total}};
   }
   const judge::Share all = judge::MacroShare(verdicts, 1);
-  std::printf("  mean   %.3f [%.3f %.3f]; on real clips %.3f\n", all.value, all.low, all.high,
-              session.evaluator.real_content().value);
+  std::printf("  mean   %s [%.3f %.3f]; on real clips %s\n", judge::Padded(all, 0, 3).c_str(),
+              all.low, all.high, judge::Padded(session.evaluator.real_content(), 0, 3).c_str());
   session.json["synthetic"]["mean"] = all.value;
+  session.json["synthetic"]["mean_spread"] = judge::Value(all.spread());
 }
 
 }  // namespace styled

@@ -12,6 +12,7 @@
 
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
+#include "model/tools/number.h"
 #include "model/tools/stylegaits_load.h"
 #include "model/tools/stylegaits_table.h"
 #include "model/train/blas.h"
@@ -32,7 +33,7 @@ struct Arguments {
   std::vector<std::filesystem::path> strangers;
   judge::NeutralKnown known = judge::NeutralKnown::kCalibrated;
   bool neutral = false, leak = false;
-  judge::JudgeSettings judges;
+  judge::JudgeSettings judges = {.count = judge::kUsualJudges};
   std::string command;
 };
 
@@ -62,12 +63,14 @@ class Session {
       Status status = Score(fold);
       if (!status.ok()) return status;
     }
+    judge::PrintWeights(judge::WeightsOf(arguments_.weights));
     for (const Group& group : groups_) {
       Print(group.title, names_, chosen_, group.rows);
       json_[group.key] = ToJson(names_, chosen_, group.rows);
     }
     if (arguments_.json.empty()) return Status::Ok();
     json_["command"] = arguments_.command;
+    json_["weights"] = judge::WeightsOf(arguments_.weights);
     json_["leak"] = arguments_.leak;
     return judge::WriteJson(json_, arguments_.json);
   }
@@ -183,6 +186,9 @@ class Session {
     const auto judges =
         TrainGaitJudges(parts.judges, performers_.manifest, arguments_.judges, arguments_.cache);
     if (!judges.ok()) return judges.status();
+    const nlohmann::json made = judge::JudgesOf(judges.value().panel);
+    judge::PrintJudges(made);
+    json_["judges"].push_back(made);
     for (Group& group : groups_) {
       ScoreOutputs(parts, judges.value(), group);
       ScoreReal(parts, judges.value(), group);
@@ -268,6 +274,9 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  "judged")
       ->check(CLI::IsMember({"walk", "walk+run"}));
   app.add_flag("--leak", arguments.leak, "The judges learn from the examples, too");
+  app.add_option("--judge-seeds", arguments.judges.count, "How many judges; figures are means")
+      ->check(Whole(1, judge::kMostJudges))
+      ->capture_default_str();
   app.add_option("--iterations", arguments.judges.iterations, "Of the judges' training")
       ->capture_default_str();
   app.add_option("--json", arguments.json, "Write the figures to this file, too");

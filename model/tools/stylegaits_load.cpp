@@ -35,14 +35,13 @@ Status AddSplit(const clip::Manifest& manifest, const std::string& split, int le
   return {};
 }
 
-// A key of everything that the judges depend on.
+// A key of everything that the judges depend on but the seed.
 std::string KeyOf(const std::vector<train::TrainingClip>& clips,
                   const judge::JudgeSettings& settings) {
   Fnv1a hash;
   hash.Text(judge::kJudgeRecipe);
   hash.Text(judge::kPartRecipe);
-  const auto numbers = {settings.window, settings.iterations, settings.batch,
-                        static_cast<int>(settings.seed)};
+  const auto numbers = {settings.window, settings.iterations, settings.batch};
   for (const int number : numbers) hash.Number(number);
   for (const train::TrainingClip& clip : clips) {
     hash.Text(std::filesystem::path(clip.file).filename().string());
@@ -58,10 +57,14 @@ std::string KeyOf(const std::vector<train::TrainingClip>& clips,
   return text;
 }
 
-// The share of windows with this answer.
-judge::Mean ShareOf(const std::vector<int>& answers, int style) {
+// The share of windows with this answer, of each judge's answers.
+judge::Mean ShareOf(const std::vector<std::vector<int>>& by_judge, int style) {
+  std::vector<double> hits;
+  for (const std::vector<int>& answers : by_judge) {
+    hits.push_back(static_cast<double>(std::count(answers.begin(), answers.end(), style)));
+  }
   judge::Mean share;
-  for (const int answer : answers) share.Add(answer == style ? 1 : 0);
+  share.AddJudged(hits, static_cast<double>(by_judge.front().size()));
   return share;
 }
 
@@ -152,12 +155,16 @@ Result<std::vector<GaitSource>> LoadStrangers(const std::vector<std::filesystem:
 }
 
 std::vector<judge::Recognition> GaitJudges::Recognize(const judge::Poses& poses, int stride) const {
-  const judge::Verdicts verdicts =
-      styles.Judge(judge::MakeSequence(poses, 0, 0, false, styles.parameters()), stride);
-  const std::vector<int> by_movement = parts.Judge(poses, stride)[0];
+  const judge::Judges& judges = panel.judges;
+  const std::vector<judge::Verdicts> verdicts =
+      judges.Judge(judge::MakeSequence(poses, 0, 0, false, judges.parameters()), stride);
+  std::vector<std::vector<int>> by_style;
+  for (const judge::Verdicts& of : verdicts) by_style.push_back(of.style);
+  std::vector<std::vector<int>> by_movement;
+  for (auto& answers : panel.parts.Judge(poses, stride)) by_movement.push_back(answers[0]);
   std::vector<judge::Recognition> of(style_count);
   for (std::size_t style = 0; style < of.size(); ++style) {
-    of[style] = {.style = ShareOf(verdicts.style, static_cast<int>(style)),
+    of[style] = {.style = ShareOf(by_style, static_cast<int>(style)),
                  .movement = ShareOf(by_movement, static_cast<int>(style))};
   }
   return of;
@@ -166,14 +173,9 @@ std::vector<judge::Recognition> GaitJudges::Recognize(const judge::Poses& poses,
 Result<GaitJudges> TrainGaitJudges(const std::vector<train::TrainingClip>& clips,
                                    const clip::Manifest& manifest,
                                    const judge::JudgeSettings& settings, const std::string& cache) {
-  const auto count = static_cast<int>(manifest.styles.size());
-  const auto contents = static_cast<int>(manifest.contents.size());
-  const std::string key = KeyOf(clips, settings);
-  auto styles = judge::Judges::TrainOrLoad(clips, count, contents, settings, cache, key);
-  if (!styles.ok()) return styles.status();
-  auto parts = judge::PartJudges::TrainOrLoad(clips, count, contents, settings, cache, key);
-  if (!parts.ok()) return parts.status();
-  return GaitJudges{std::move(styles.value()), std::move(parts.value()), manifest.styles.size()};
+  auto panel = judge::TrainPanel(clips, manifest, settings, cache, KeyOf(clips, settings));
+  if (!panel.ok()) return panel.status();
+  return GaitJudges{std::move(panel.value()), manifest.styles.size()};
 }
 
 }  // namespace styled

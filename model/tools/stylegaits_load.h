@@ -7,8 +7,7 @@
 #include "model/base/status.h"
 #include "model/train/judge/data.h"
 #include "model/train/judge/gaits.h"
-#include "model/train/judge/nets.h"
-#include "model/train/judge/parts.h"
+#include "model/train/judge/judges_file.h"
 
 namespace styled {
 
@@ -36,8 +35,7 @@ Result<std::vector<judge::GaitSource>> LoadStrangers(
     const std::vector<std::filesystem::path>& files);
 
 struct GaitJudges {
-  judge::Judges styles;
-  judge::PartJudges parts;
+  judge::Panel panel;
   std::size_t style_count = 0;
 
   // By style; of a window at every `stride`-th frame.

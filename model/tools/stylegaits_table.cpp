@@ -1,6 +1,7 @@
 // The tables of stylegaits, and their JSON.
 #include "model/tools/stylegaits_table.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -13,6 +14,7 @@ namespace {
 
 using judge::GaitFigures;
 using judge::GaitParts;
+using judge::GaitTable;
 using judge::kGaitKinds;
 using judge::Mean;
 using judge::PerGait;
@@ -39,12 +41,26 @@ std::array<std::pair<const char*, const judge::GaitTable*>, 4> TablesOf(const Ga
            {"real", &rows.real}}};
 }
 
+// The characters of " ±0.03", in a column of several judges.
+int MoreOf(const GaitTable& table, const Column& column) {
+  const PerGait<GaitFigures> means = judge::OverStyles(table);
+  const bool several = std::any_of(means.begin(), means.end(), [&](const GaitFigures& gait) {
+    return (gait.*column.of).by_judge.size() > 1;
+  });
+  return several ? 6 : 0;
+}
+
 // Walks and runs side by side.
-void PrintHeader(const char* title) {
+void PrintHeader(const char* title, const GaitTable& table) {
   std::printf("%-16s", title);
-  for (const Column& column : kColumns) std::printf(" %11s", column.title);
+  for (const Column& column : kColumns) {
+    std::printf(" %*s", 11 + 2 * MoreOf(table, column), column.title);
+  }
   std::printf("\n%-16s", "");
-  for (std::size_t i = 0; i < kColumns.size(); ++i) std::printf("   walk  run");
+  for (const Column& column : kColumns) {
+    const int more = MoreOf(table, column);
+    std::printf("   %*s%*s", 4 + more, "walk", 5 + more, "run");
+  }
   std::printf("\n");
 }
 
@@ -53,7 +69,7 @@ std::string Cells(const PerGait<GaitFigures>& of) {
   for (const Column& column : kColumns) {
     text += "  ";
     for (const GaitFigures& gait : of) {
-      text += judge::Padded(judge::Measured(gait.*column.of), 5, column.decimals);
+      text += judge::Padded(gait.*column.of, 5, column.decimals);
     }
   }
   return text;
@@ -62,7 +78,7 @@ std::string Cells(const PerGait<GaitFigures>& of) {
 void PrintMeans(const char* title, const GaitFigures& of) {
   std::printf("  %-24s", title);
   for (const Column& column : kColumns) {
-    std::printf("%s", judge::Padded(judge::Measured(of.*column.of), 9, column.decimals).c_str());
+    std::printf("%s", judge::Padded(of.*column.of, 9, column.decimals).c_str());
   }
   std::printf("\n");
 }
@@ -71,6 +87,9 @@ nlohmann::json FiguresJson(const GaitFigures& of) {
   nlohmann::json json;
   for (const Column& column : kColumns) {
     json[column.key] = judge::Value(judge::Measured(of.*column.of));
+    if (!(of.*column.of).by_judge.empty()) {
+      json[std::string(column.key) + "_spread"] = judge::Value((of.*column.of).spread());
+    }
   }
   return json;
 }
@@ -114,14 +133,16 @@ void Print(const std::string& title, const std::vector<std::string>& styles,
            const std::vector<std::size_t>& chosen, const GaitRows& rows) {
   std::printf("\n%s\n", title.c_str());
   for (const auto& [name, table] : TablesOf(rows)) {
-    PrintHeader(name);
+    PrintHeader(name, *table);
     for (const std::size_t style : chosen) {
       std::printf("%-16s%s\n", ("  " + styles[style]).c_str(), Cells((*table)[style]).c_str());
     }
     std::printf("%-16s%s\n", "  mean", Cells(judge::OverStyles(*table)).c_str());
   }
   std::printf("%-26s", "means over styles");
-  for (const Column& column : kColumns) std::printf("%9s", column.title);
+  for (const Column& column : kColumns) {
+    std::printf("%*s", 9 + MoreOf(rows.network, column), column.title);
+  }
   std::printf("\n");
   const std::array<const char*, kGaitKinds> titles{"walks", "runs"};
   for (std::size_t gait = 0; gait < kGaitKinds; ++gait) {

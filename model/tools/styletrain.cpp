@@ -261,6 +261,8 @@ Status Run(const Flags& flags, FamilyFlags& family) {
       " from an earlier run on these clips; they say how long");
   const auto judge = judge::Validator::Make(flags.run.manifest, flags.run.data, flags.judges);
   if (!judge.ok()) return judge.status();
+  const Status claimed = judge.value().Claim(flags.run.out, flags.run.resume);
+  if (!claimed.ok()) return claimed;
   return train([&judge](const auto& weights) { return judge.value().Measure(weights); });
 }
 

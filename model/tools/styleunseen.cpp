@@ -8,6 +8,7 @@
 
 #include "model/feet/legs.h"
 #include "model/tools/command_line.h"
+#include "model/tools/number.h"
 #include "model/tools/styleunseen_live.h"
 #include "model/train/blas.h"
 #include "model/train/judge/provenance.h"
@@ -22,6 +23,7 @@ struct Arguments {
   std::string weights, manifest, data, json;
   std::string library, source, judges;  // for live networks
   std::vector<std::string> styles;
+  int judge_seeds = judge::kUsualJudges;
   bool neutral = false;
 };
 
@@ -95,6 +97,7 @@ Status Run(const Arguments& arguments) {
         arguments.weights +
         ": --library, --source, --judges and --neutral are for weights that run live");
   }
+  judge::PrintWeights(judge::WeightsOf(arguments.weights));
   const net::Styles& known = network.value().model().styles;
   const auto chosen = Choose(arguments, manifest.value(), known);
   if (!chosen.ok()) return chosen.status();
@@ -120,6 +123,7 @@ Status Run(const Arguments& arguments) {
                         .library = arguments.library,
                         .source = arguments.source,
                         .judges = arguments.judges,
+                        .judge_seeds = arguments.judge_seeds,
                         .json = arguments.json,
                         .neutral = arguments.neutral});
   }
@@ -127,10 +131,14 @@ Status Run(const Arguments& arguments) {
               "nearest style, distance");
   nlohmann::json json;
   judge::Mean means[4];
+  std::string left_out;
   for (const std::size_t style : chosen.value()) {
     const judge::Poses& example = walks.value()[style];
-    if (example.empty()) continue;
     const std::string& name = manifest.value().styles[style].name;
+    if (example.empty()) {
+      left_out += " " + name;
+      continue;
+    }
     const judge::UnseenFigures of = judge::MeasureUnseen(by_code, normal, normal, example);
     const std::string& nearest = known[static_cast<std::size_t>(of.nearest.style)].name;
     std::printf("%-16s%s %s  %s %.2f\n", name.c_str(), Cells(of.network).c_str(),
@@ -143,8 +151,15 @@ Status Run(const Arguments& arguments) {
                   {"offset_cosine", values[2]}, {"offset_expression", values[3]},
                   {"nearest", nearest},         {"distance", of.nearest.distance}};
   }
+  if (json.empty()) {
+    return Status::Error(arguments.manifest + ": no style to measure has a walk, expected one of" +
+                         left_out);
+  }
   std::printf("%-16s%s %s\n", "mean", Cells({means[1].value(), means[0].value()}).c_str(),
               Cells({means[3].value(), means[2].value()}).c_str());
+  std::printf("%-16s%8.2f%11.2f  by definition: the figures are relative to the example\n",
+              "the real clip", 1.0, 1.0);
+  if (!left_out.empty()) std::printf("not measured, no walk:%s\n", left_out.c_str());
   if (arguments.json.empty()) return Status::Ok();
   return judge::WriteJson(json, arguments.json);
 }
@@ -171,6 +186,9 @@ int main(int argc, char** argv) {
       "--judges", arguments.judges,
       "Train judges on the data set, keep them in this folder, and report how much of the "
       "output they recognize (live)");
+  app.add_option("--judge-seeds", arguments.judge_seeds, "How many judges; figures are means")
+      ->check(styled::Whole(1, styled::judge::kMostJudges))
+      ->capture_default_str();
   app.add_flag(
       "--neutral", arguments.neutral,
       "Examples are shown beside the neutral walk: only what they differ by counts (live)");

@@ -87,6 +87,20 @@ void Optimize(const std::string& name, const std::vector<torch::Tensor>& paramet
   }
 }
 
+std::vector<JudgeSettings> EachSeed(const JudgeSettings& settings) {
+  std::vector<JudgeSettings> each(static_cast<std::size_t>(settings.count), settings);
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    each[i].seed = settings.seed + static_cast<unsigned>(i);
+    each[i].count = 1;
+  }
+  return each;
+}
+
+std::filesystem::path CacheFile(const std::filesystem::path& cache, const std::string& kind,
+                                const std::string& key, unsigned seed) {
+  return cache / (kind + "-" + key + "-seed-" + std::to_string(seed) + ".pt");
+}
+
 torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int length) {
   torch::Tensor windows =
       torch::empty({static_cast<long>(starts.size()), length, erd::kFeatureCount});
@@ -111,6 +125,41 @@ void SaveModule(const torch::nn::Module& module, const std::filesystem::path& fi
   const std::filesystem::path part = file.string() + ".part";
   archive.save_to(part.string());
   std::filesystem::rename(part, file);
+}
+
+namespace {
+
+bool IsForTraining(const std::string& name) {
+  return name.find(".decoder.") != std::string::npos ||
+         name.find("num_batches_tracked") != std::string::npos;
+}
+
+template <typename Visit>
+void ForEachTensor(torch::nn::Module& module, const Visit& visit) {
+  for (const bool buffers : {false, true}) {
+    for (auto& item : buffers ? module.named_buffers() : module.named_parameters()) {
+      if (!IsForTraining(item.key())) visit(item.key(), item.value());
+    }
+  }
+}
+
+}  // namespace
+
+void AppendTensors(torch::nn::Module& module, const std::string& prefix,
+                   std::vector<net::NamedTensor>& tensors) {
+  ForEachTensor(module, [&](const std::string& name, const torch::Tensor& tensor) {
+    const torch::Tensor values = tensor.detach().contiguous();
+    const float* const begin = values.data_ptr<float>();
+    tensors.push_back({prefix + name, values.sizes().vec(), {begin, begin + values.numel()}});
+  });
+}
+
+void ReadTensors(torch::nn::Module& module, const std::string& prefix, net::TensorReader& tensors) {
+  torch::NoGradGuard no_grad;
+  ForEachTensor(module, [&](const std::string& name, torch::Tensor tensor) {
+    const net::RowMajor values = tensors.Tensor(prefix + name, tensor.sizes().vec());
+    tensor.copy_(torch::from_blob(const_cast<float*>(values.data()), tensor.sizes()));
+  });
 }
 
 }  // namespace styled::judge

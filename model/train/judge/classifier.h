@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "model/net/weights_file.h"
 #include "model/train/judge/nets.h"
 
 namespace styled::judge {
@@ -59,6 +60,12 @@ void Optimize(const std::string& name, const std::vector<torch::Tensor>& paramet
               const std::function<torch::Tensor()>& loss,
               const std::function<std::string()>& state);
 
+// The settings of each judge: `count` is 1, seeds one after the other.
+std::vector<JudgeSettings> EachSeed(const JudgeSettings& settings);
+// The file of one judge in a cache.
+std::filesystem::path CacheFile(const std::filesystem::path& cache, const std::string& kind,
+                                const std::string& key, unsigned seed);
+
 // Windows of a sequence as [starts, length, features].
 torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int length);
 
@@ -67,5 +74,11 @@ std::vector<int> Answers(const torch::Tensor& logits);
 
 // Writes `module` to `file` through a temporary file, so that none is ever incomplete. Throws.
 void SaveModule(const torch::nn::Module& module, const std::filesystem::path& file);
+
+// A trained module's parameters and buffers as tensors of a file, their names after `prefix`, and
+// back. Without decoders and batches' counters, which only training needs.
+void AppendTensors(torch::nn::Module& module, const std::string& prefix,
+                   std::vector<net::NamedTensor>& tensors);
+void ReadTensors(torch::nn::Module& module, const std::string& prefix, net::TensorReader& tensors);
 
 }  // namespace styled::judge

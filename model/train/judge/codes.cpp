@@ -87,12 +87,11 @@ class Measurement {
     std::vector<LocalClip> set;
     for (const Poses& output : outputs) {
       set.push_back(Local(output));
-      const Verdicts verdicts =
+      const std::vector<Verdicts> by_judge =
           judges_.Judge(MakeSequence(output, style, content, false, judges_.parameters()), kStride);
-      for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
-        variety.recognized.Add(verdicts.style[i] == style ? 1 : 0);
-        variety.content_recognized.Add(verdicts.content[i] == content ? 1 : 0);
-      }
+      const auto windows = static_cast<double>(by_judge.front().starts.size());
+      variety.recognized.AddJudged(Hits(by_judge, &Verdicts::style, style), windows);
+      variety.content_recognized.AddJudged(Hits(by_judge, &Verdicts::content, content), windows);
     }
     const Mean distance = PairwiseDistance_cm(set);
     if (distance.count <= 0) return;
@@ -237,7 +236,9 @@ class Measurement {
 nlohmann::json ToJson(const clip::Manifest& manifest, const Variety& variety) {
   nlohmann::json json = {{"distance_cm", Value(Measured(variety.distance_cm))},
                          {"recognized", Value(Measured(variety.recognized))},
+                         {"recognized_spread", Value(variety.recognized.spread())},
                          {"content_recognized", Value(Measured(variety.content_recognized))},
+                         {"content_recognized_spread", Value(variety.content_recognized.spread())},
                          {"windows", variety.recognized.count}};
   for (std::size_t style = 1; style < variety.by_style.size(); ++style) {
     json["styles"][manifest.styles[style].name] = Value(Measured(variety.by_style[style]));
@@ -262,9 +263,8 @@ void PrintVariety(const clip::Manifest& manifest, const CodeSpace& codes) {
   for (const auto& [name, variety] :
        {std::pair("noise", &codes.noise), std::pair("examples", &codes.examples)}) {
     std::printf("%-10s %s %s %s %8.0f", name, Padded(Measured(variety->distance_cm), 9, 2).c_str(),
-                Padded(Measured(variety->recognized), 10, 2).c_str(),
-                Padded(Measured(variety->content_recognized), 9, 2).c_str(),
-                variety->recognized.count);
+                Padded(variety->recognized, 10, 2).c_str(),
+                Padded(variety->content_recognized, 9, 2).c_str(), variety->recognized.count);
     for (std::size_t style = 1; style < variety->by_style.size(); ++style) {
       std::printf(" %s", Padded(Measured(variety->by_style[style]), 9, 2).c_str());
     }

@@ -9,6 +9,8 @@ namespace styled::judge {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
+constexpr std::size_t kSetWidth = 22;   // characters of "0.72 ±0.03 [0.70 0.75]"
+constexpr std::size_t kCellWidth = 10;  // of "0.72 ±0.03"
 
 // Every judge of a set, in the order of the table.
 struct Row {
@@ -26,7 +28,22 @@ std::vector<Row> Rows(const Compared& set) {
   return rows;
 }
 
-std::string Text(const Share& share, int width = 0) { return Padded(Measured(share), width, 2); }
+std::string Text(const Share& share) { return Padded(share, 0, 2); }
+
+// With the interval over clips.
+std::string WithInterval(const Share& share) {
+  if (share.windows <= 0) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, " [%.2f %.2f]", share.low, share.high);
+  return Text(share) + text;
+}
+
+// Right-aligned; "±" counts as one character.
+std::string Right(const std::string& text, std::size_t width) {
+  const auto characters = static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return std::string(width - std::min(width, characters), ' ') + text;
+}
 
 }  // namespace
 
@@ -37,18 +54,25 @@ class Comparison::Counts {
 
   void Add(std::span<const body::Pose> poses, int clip, int style, int content) {
     const int cell = style * static_cast<int>(of_.manifest_.contents.size()) + content;
-    const auto verdict = [&](const std::vector<int>& answers, int right) {
-      return ClipVerdict{cell, clip,
-                         static_cast<double>(std::count(answers.begin(), answers.end(), right)),
-                         static_cast<double>(answers.size())};
+    const auto verdict = [&](const std::vector<double>& hits, std::size_t windows) {
+      ClipVerdict of_clip{.cell = cell, .clip = clip};
+      of_clip.Add(hits, static_cast<double>(windows));
+      return of_clip;
     };
-    const Verdicts whole = of_.judges_.Judge(
+    const std::vector<Verdicts> whole = of_.judges_.Judge(
         MakeSequence(poses, style, content, false, of_.judges_.parameters()), kStride);
-    contents_.push_back(verdict(whole.content, content));
+    const std::size_t windows = whole.front().starts.size();
+    contents_.push_back(verdict(Hits(whole, &Verdicts::content, content), windows));
     if (!of_.known_[static_cast<std::size_t>(cell)]) return;
-    styles_.push_back(verdict(whole.style, style));
-    const PartJudges::Answers parts = of_.parts_.Judge(poses, kStride);
-    for (std::size_t i = 0; i < parts.size(); ++i) parts_[i].push_back(verdict(parts[i], style));
+    styles_.push_back(verdict(Hits(whole, &Verdicts::style, style), windows));
+    const std::vector<PartJudges::Answers> parts = of_.parts_.Judge(poses, kStride);
+    for (std::size_t i = 0; i < kPartViewCount; ++i) {
+      std::vector<double> hits;
+      for (const PartJudges::Answers& judge : parts) {
+        hits.push_back(static_cast<double>(std::count(judge[i].begin(), judge[i].end(), style)));
+      }
+      parts_[i].push_back(verdict(hits, parts.front()[i].size()));
+    }
   }
 
   void Finish(Compared& set) const {
@@ -144,14 +168,15 @@ void Print(const clip::Manifest& manifest, std::span<const Compared> sets) {
   std::vector<std::vector<Row>> columns;
   for (const Compared& set : sets) columns.push_back(Rows(set));
   std::printf(
-      "\nshare of windows that each judge takes for the target (content: for the input's)\n%-18s",
+      "\nshare of windows that each judge takes for the target (content: for the input's); ± over "
+      "the judges' seeds, 95 %% over clips\n%-18s",
       "");
-  for (const Compared& set : sets) std::printf(" %18s", set.title.c_str());
+  for (const Compared& set : sets) std::printf(" %s", Right(set.title, kSetWidth).c_str());
   std::printf("  windows\n");
   for (std::size_t i = 0; i < columns.front().size(); ++i) {
     std::printf("%-18s", columns.front()[i].title.c_str());
     for (const std::vector<Row>& column : columns) {
-      std::printf(" %18s", Text(column[i].share.all).c_str());
+      std::printf(" %s", Right(WithInterval(column[i].share.all), kSetWidth).c_str());
     }
     std::printf("  %.0f\n", columns.back()[i].share.all.windows);
   }
@@ -160,18 +185,21 @@ void Print(const clip::Manifest& manifest, std::span<const Compared> sets) {
 
   std::printf("\n%s, by style and by content\n%-18s", sets.back().title.c_str(), "");
   for (std::size_t s = 1; s < manifest.styles.size(); ++s) {
-    std::printf(" %9.9s", manifest.styles[s].name.c_str());
+    std::printf(" %s", Right(manifest.styles[s].name, kCellWidth).c_str());
   }
   std::printf("  ");
-  for (const std::string& content : manifest.contents) std::printf(" %6.6s", content.c_str());
+  for (const std::string& content : manifest.contents)
+    std::printf(" %s", Right(content, kCellWidth).c_str());
   std::printf("\n");
   for (const Row& row : columns.back()) {
     std::printf("%-18s", row.title.c_str());
     for (std::size_t s = 1; s < row.share.by_style.size(); ++s) {
-      std::printf(" %9s", Text(row.share.by_style[s]).c_str());
+      std::printf(" %s", Right(Text(row.share.by_style[s]), kCellWidth).c_str());
     }
     std::printf("  ");
-    for (const Share& share : row.share.by_content) std::printf(" %6s", Text(share).c_str());
+    for (const Share& share : row.share.by_content) {
+      std::printf(" %s", Right(Text(share), kCellWidth).c_str());
+    }
     std::printf("\n");
   }
 }
@@ -184,14 +212,19 @@ nlohmann::json ToJson(const clip::Manifest& manifest, std::span<const Compared> 
       nlohmann::json one = {{"key", row.key},
                             {"title", row.title},
                             {"value", Value(Measured(row.share.all))},
+                            {"spread", Value(row.share.all.spread())},
                             {"low", row.share.all.low},
                             {"high", row.share.all.high},
                             {"windows", row.share.all.windows}};
       for (std::size_t s = 1; s < row.share.by_style.size(); ++s) {
-        one["styles"][manifest.styles[s].name] = Value(Measured(row.share.by_style[s]));
+        const Share& of = row.share.by_style[s];
+        one["styles"][manifest.styles[s].name] = Value(Measured(of));
+        one["styles_spread"][manifest.styles[s].name] = Value(of.spread());
       }
       for (std::size_t c = 0; c < row.share.by_content.size(); ++c) {
-        one["contents"][manifest.contents[c]] = Value(Measured(row.share.by_content[c]));
+        const Share& of = row.share.by_content[c];
+        one["contents"][manifest.contents[c]] = Value(Measured(of));
+        one["contents_spread"][manifest.contents[c]] = Value(of.spread());
       }
       judges.push_back(std::move(one));
     }

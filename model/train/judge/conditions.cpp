@@ -18,7 +18,8 @@ namespace {
 
 // Means over styles.
 struct ConditionRow {
-  double sra = 0, cra = 0, expression = 0, cosine = 0, jerk = 0;
+  Share sra, cra;
+  double expression = 0, cosine = 0, jerk = 0;
 };
 
 ConditionRow Summary(const Figures& figures) {
@@ -31,15 +32,29 @@ ConditionRow Summary(const Figures& figures) {
     cosine.Add(of.expression.cosine);
     jerk.Add(of.jitter_stream);
   }
-  return {figures.sra.value, figures.cra.value, expression.value(), cosine.value(), jerk.value()};
+  return {figures.sra, figures.cra, expression.value(), cosine.value(), jerk.value()};
+}
+
+std::string Cells(const ConditionRow& row) {
+  return Padded(row.sra, 5, 3) + Padded(row.expression, 7, 2) + Padded(row.cosine, 7, 2) +
+         Padded(row.jerk, 7, 2);
 }
 
 nlohmann::json RowToJson(const ConditionRow& row) {
-  return {{"sra", row.sra},
-          {"cra", row.cra},
+  return {{"sra", Value(Measured(row.sra))},
+          {"sra_spread", Value(row.sra.spread())},
+          {"cra", Value(Measured(row.cra))},
+          {"cra_spread", Value(row.cra.spread())},
           {"expression", row.expression},
           {"expression_cosine", row.cosine},
           {"jitter", row.jerk}};
+}
+
+// Adds a share as one value, with its judges' where there are several.
+void AddOnce(const Share& share, Mean& mean) {
+  if (share.windows <= 0) return;
+  if (share.by_judge.empty()) return mean.Add(share.value);
+  mean.AddJudged(share.by_judge, 1);
 }
 
 // Every `step`-th input of each content: enough for a mean, in a fraction of the time.
@@ -86,8 +101,8 @@ Poses Beginning(std::span<const body::Pose> poses) {
 nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Evaluator& evaluator,
                               const stylist::Options& options) {
   std::printf(
-      "\nspoilt inputs: SRA of real clips spoilt alike; SRA, expression, cosine, jerk over the "
-      "spoilt input's; absolute\n");
+      "\nspoilt inputs: SRA of real clips spoilt alike; of the constant offset; SRA, expression, "
+      "cosine, jerk over the spoilt input's; absolute\n");
   std::vector<Poses> real;
   for (const train::TrainingClip& c : data.validation) {
     real.push_back(clip::ResamplePoses(c.poses, kJudgeRate_hz, kStreamRate_hz));
@@ -100,18 +115,20 @@ nlohmann::json JudgePerturbed(const Data& data, const Styler& styler, const Eval
     for (std::size_t i = 0; i < data.inputs.size(); ++i) {
       spoilt.inputs[i] = Perturb(perturbation, data.inputs[i], kStreamRate_hz, i + 1);
     }
-    const double known =
-        evaluator.Measure("", RealPerturbed(data, styler, perturbation, real)).sra.value;
+    const Share known = evaluator.Measure("", RealPerturbed(data, styler, perturbation, real)).sra;
+    const Share offset = evaluator.Measure("", ApplyBaseline(spoilt)).sra;
     const ConditionRow detail =
         Summary(evaluator.Measure("", Style(spoilt, styler, options, false)));
     const ConditionRow absolute =
         Summary(evaluator.Measure("", Style(spoilt, styler, options, true)));
-    std::printf("  %-42.*s %.3f   %.3f  %5.2f  %5.2f  %5.2f   %.3f  %5.2f  %5.2f  %5.2f\n",
-                static_cast<int>(text.size()), text.data(), known, detail.sra, detail.expression,
-                detail.cosine, detail.jerk, absolute.sra, absolute.expression, absolute.cosine,
-                absolute.jerk);
+    std::printf("  %-42.*s %s  %s   %s\n", static_cast<int>(text.size()), text.data(),
+                Padded(known, 5, 3).c_str(), Padded(offset, 5, 3).c_str(),
+                (Cells(detail) + "   " + Cells(absolute)).c_str());
     json[std::string(key)] = {{"text", text},
-                              {"real_sra", known},
+                              {"real_sra", Value(Measured(known))},
+                              {"real_sra_spread", Value(known.spread())},
+                              {"offset_sra", Value(Measured(offset))},
+                              {"offset_sra_spread", Value(offset.spread())},
                               {"detail_preserving", RowToJson(detail)},
                               {"absolute", RowToJson(absolute)}};
   }
@@ -122,8 +139,12 @@ nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluato
                           const stylist::Options& options) {
   constexpr std::array kRates_hz{24.0, 25.0,  30.0,   48.0,  50.0,  59.94, 60.0,
                                  90.0, 100.0, 119.88, 120.0, 144.0, 240.0};
-  std::printf("\nrates: SRA, CRA, expression, cosine, jerk at that rate\n");
+  std::printf("\nrates: SRA, expression, cosine, jerk at that rate, CRA\n");
   const Data some = Some(data, 3);
+  // No rate changes these two: they are computed frame by frame.
+  std::printf("  constant offset, any rate %s; real clips %s\n",
+              Padded(evaluator.Measure("", ApplyBaseline(some)).sra, 5, 3).c_str(),
+              Padded(evaluator.real_style(), 5, 3).c_str());
   nlohmann::json json;
   for (const double rate_hz : kRates_hz) {
     std::vector<Transferred> transferred;
@@ -147,8 +168,7 @@ nlohmann::json JudgeRates(const Data& data, const Styler& styler, const Evaluato
     }
     ConditionRow row = Summary(evaluator.Measure("", transferred));
     row.jerk = jerk_out.value() / std::max(1e-9, jerk_in.value());
-    std::printf("  %6.2f Hz  %.3f  %.3f  %5.2f  %5.2f  %5.2f\n", rate_hz, row.sra, row.cra,
-                row.expression, row.cosine, row.jerk);
+    std::printf("  %6.2f Hz  %s  %s\n", rate_hz, Cells(row).c_str(), Padded(row.cra, 5, 3).c_str());
     json.push_back(RowToJson(row));
     json.back()["rate_hz"] = rate_hz;
   }
@@ -166,6 +186,7 @@ nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const E
     std::printf("\n");
     Mean to_styles;
     Mean to_neutral;
+    Mean of_offset;
     nlohmann::json& here = json[told ? "told" : "not_told"];
     for (std::size_t from = 1; from < styles.size(); ++from) {
       if (styler.style_of[from] == kAbsent) continue;
@@ -182,7 +203,13 @@ nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const E
       others.style_of[from] = kAbsent;
       others.input_style = told ? styler.style_of[from] : 0;
       if (told) others.style_of[0] = 0;
-      const Figures figures = evaluator.Measure("", Style(Some(own, 2), others, options, false));
+      const Data some = Some(own, 2);
+      const Figures figures = evaluator.Measure("", Style(some, others, options, false));
+      // From neutral to the target, on a performer who is not neutral: what a constant offset does.
+      const Figures by_offset = evaluator.Measure("", ApplyBaseline(some));
+      for (std::size_t to = 1; to < styles.size(); ++to) {
+        if (others.style_of[to] != kAbsent) AddOnce(by_offset.styles[to].sra, of_offset);
+      }
       std::printf("  %-14s", styles[from].name.c_str());
       for (std::size_t to = 0; to < styles.size(); ++to) {
         const int width = std::min<int>(9, static_cast<int>(styles[to].name.size()));
@@ -190,20 +217,25 @@ nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const E
           std::printf(" %*s", width, "-");
           continue;
         }
-        const double sra = figures.styles[to].sra.value;
-        std::printf(" %*.2f", width, sra);
-        here[styles[from].name][styles[to].name] = sra;
-        (to == 0 ? to_neutral : to_styles).Add(sra);
+        const Share& sra = figures.styles[to].sra;
+        std::printf(" %*.2f", width, sra.value);
+        here[styles[from].name][styles[to].name] = sra.value;
+        AddOnce(sra, to == 0 ? to_neutral : to_styles);
       }
       std::printf("\n");
     }
-    std::printf("  mean to other styles %.3f", to_styles.value());
+    std::printf("  mean to other styles %s", Padded(to_styles, 5, 3).c_str());
     here["mean"] = to_styles.value();
+    here["mean_spread"] = Value(to_styles.spread());
     if (told) {
-      std::printf(", to neutral %.3f", to_neutral.value());
+      std::printf(", to neutral %s", Padded(to_neutral, 5, 3).c_str());
       here["mean_to_neutral"] = to_neutral.value();
+      here["mean_to_neutral_spread"] = Value(to_neutral.spread());
     }
-    std::printf("\n");
+    std::printf("; constant offset %s; real clips %s\n", Padded(of_offset, 5, 3).c_str(),
+                Padded(evaluator.real_style(), 5, 3).c_str());
+    here["mean_of_offset"] = of_offset.value();
+    here["mean_of_offset_spread"] = Value(of_offset.spread());
   }
   return json;
 }

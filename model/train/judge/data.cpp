@@ -14,16 +14,16 @@
 namespace styled::judge {
 namespace {
 
-// A key for cached judges, computed from everything that they depend on.
+// A key for cached judges, computed from everything that they depend on but the seed.
 std::string JudgeKey(const Data& data, const JudgeSettings& settings) {
-  std::string text = std::to_string(body::HumanoidHash()) + kJudgeRecipe;
+  std::string text = std::to_string(body::HumanoidHash()) + kJudgeRecipe + "-" + kPartRecipe;
   for (const train::TrainingClip& c : data.judge) {
     text += std::filesystem::path(c.file).filename().string() + std::to_string(c.style) +
             std::to_string(c.content) + std::to_string(c.poses.size());
   }
   for (const double value :
        {static_cast<double>(settings.window), static_cast<double>(settings.iterations),
-        static_cast<double>(settings.batch), static_cast<double>(settings.seed)}) {
+        static_cast<double>(settings.batch)}) {
     text += " " + std::to_string(value);
   }
   char key[17];
@@ -74,8 +74,9 @@ ConstantOffset Offset(const Rotations& neutral, const Rotations& target) {
   return offset;
 }
 
-// The offset of each style.
-std::vector<ConstantOffset> Baselines(const Data& data) {
+}  // namespace
+
+std::vector<ConstantOffset> StyleOffsets(const Data& data) {
   const std::size_t contents = data.manifest.contents.size();
   const MeanRotations means(data);
   std::vector<ConstantOffset> baselines;
@@ -93,11 +94,13 @@ std::vector<ConstantOffset> Baselines(const Data& data) {
   return baselines;
 }
 
+namespace {
+
 // The offset of each style in each content, by style * contents + content.
 std::vector<ConstantOffset> BaselinesPerContent(const Data& data) {
   const std::size_t contents = data.manifest.contents.size();
   const MeanRotations means(data);
-  const std::vector<ConstantOffset> of_all = Baselines(data);
+  const std::vector<ConstantOffset> of_all = StyleOffsets(data);
   std::vector<ConstantOffset> baselines;
   for (std::size_t cell = 0; cell < means.sums.size(); ++cell) {
     const std::size_t content = cell % contents;
@@ -122,18 +125,19 @@ std::vector<Transferred> Transfer(const Data& data, const std::vector<int>& styl
 }  // namespace
 
 Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesystem::path& inputs,
-                      const std::filesystem::path& folder) {
+                      const std::filesystem::path& folder, const std::string& split) {
   if (Status status = train::CheckDataFolder(folder); !status.ok()) return status;
   Result<clip::Manifest> own = clip::LoadManifest(manifest, folder);
   if (!own.ok()) return own.status();
   Data data;
+  data.split = split;
   data.manifest = std::move(own.value());
   erd::FeatureParameters parameters;
   parameters.rate_hz = static_cast<float>(kJudgeRate_hz);
-  for (const auto& [split, clips] : {std::pair{"train", &data.train},
-                                     {"judge", &data.judge},
-                                     {"validation", &data.validation}}) {
-    auto loaded = train::LoadClips(data.manifest, split, parameters, 2);
+  for (const auto& [name, clips] : {std::pair{std::string("train"), &data.train},
+                                    {std::string("judge"), &data.judge},
+                                    {split, &data.validation}}) {
+    auto loaded = train::LoadClips(data.manifest, name, parameters, 2);
     if (!loaded.ok()) return loaded.status();
     *clips = std::move(loaded.value());
   }
@@ -148,7 +152,7 @@ Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesyst
   }
   Result<clip::Manifest> other = clip::LoadManifest(inputs, folder);
   if (!other.ok()) return other.status();
-  const auto clips = train::LoadClips(other.value(), "validation", parameters, 2);
+  const auto clips = train::LoadClips(other.value(), split, parameters, 2);
   if (!clips.ok()) return clips.status();
   const std::vector<std::string>& names = data.manifest.contents;
   for (const train::TrainingClip& c : clips.value()) {
@@ -156,10 +160,15 @@ Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesyst
     add_input(c, found == names.end() ? -1 : static_cast<int>(found - names.begin()));
   }
   if (data.inputs.empty()) {
-    return Status::Error("inputs " + inputs.string() +
-                         ": no neutral validation clip has a content of " + manifest.string());
+    return Status::Error("inputs " + inputs.string() + ": no neutral clip of the split " + split +
+                         " has a content of " + manifest.string());
   }
   return data;
+}
+
+Result<Panel> TrainPanel(const Data& data, const JudgeSettings& settings,
+                         const std::filesystem::path& cache) {
+  return TrainPanel(data.judge, data.manifest, settings, cache, JudgeKey(data, settings));
 }
 
 Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
@@ -167,13 +176,6 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
   return Judges::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
                              static_cast<int>(data.manifest.contents.size()), settings, cache,
                              JudgeKey(data, settings));
-}
-
-Result<PartJudges> TrainPartJudges(const Data& data, const JudgeSettings& settings,
-                                   const std::filesystem::path& cache) {
-  return PartJudges::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
-                                 static_cast<int>(data.manifest.contents.size()), settings, cache,
-                                 JudgeKey(data, settings) + "-" + kPartRecipe);
 }
 
 Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest) {
@@ -227,6 +229,12 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
 
 namespace {
 
+Poses Apply(const ConstantOffset& baseline, std::span<const body::Pose> input) {
+  Poses output;
+  for (const body::Pose& pose : input) output.push_back(baseline.Apply(pose));
+  return output;
+}
+
 // All styles but neutral, which the inputs already have.
 std::vector<int> EveryStyle(const Data& data) {
   std::vector<int> all(data.manifest.styles.size(), 0);
@@ -239,17 +247,25 @@ std::vector<int> EveryStyle(const Data& data) {
 std::vector<Transferred> ApplyBaseline(const Data& data, OffsetPer per) {
   const std::size_t contents = data.manifest.contents.size();
   const std::vector<ConstantOffset> baselines =
-      per == OffsetPer::kStyle ? Baselines(data) : BaselinesPerContent(data);
+      per == OffsetPer::kStyle ? StyleOffsets(data) : BaselinesPerContent(data);
   return Transfer(data, EveryStyle(data), [&](std::size_t input, int style) {
     const auto place = static_cast<std::size_t>(style);
     const ConstantOffset& baseline =
         per == OffsetPer::kStyle
             ? baselines[place]
             : baselines[place * contents + static_cast<std::size_t>(data.contents[input])];
-    Poses output;
-    for (const body::Pose& pose : data.inputs[input]) output.push_back(baseline.Apply(pose));
-    return output;
+    return Apply(baseline, data.inputs[input]);
   });
+}
+
+std::vector<Transferred> ByBaseline(const Data& data, std::span<const Transferred> clips) {
+  const std::vector<ConstantOffset> baselines = StyleOffsets(data);
+  std::vector<Transferred> out;
+  for (const Transferred& of : clips) {
+    out.push_back({of.clip, of.style, of.content, of.input,
+                   Apply(baselines[static_cast<std::size_t>(of.style)], of.input)});
+  }
+  return out;
 }
 
 std::vector<Transferred> Unstyled(const Data& data) {
@@ -266,7 +282,7 @@ Status WriteBaseline(const Data& data, const std::filesystem::path& file) {
   for (const clip::ManifestStyle& style : data.manifest.styles) {
     model.styles.push_back({style.name, style.aliases});
   }
-  for (const ConstantOffset& baseline : Baselines(data)) {
+  for (const ConstantOffset& baseline : StyleOffsets(data)) {
     offset::Offsets& style = offsets.emplace_back();
     std::copy(std::begin(baseline.offset), std::end(baseline.offset), style.begin());
     for (body::Quat& q : style) q.normalize();

@@ -6,33 +6,38 @@
 
 #include "model/base/status.h"
 #include "model/clip/manifest.h"
+#include "model/train/judge/judges_file.h"
 #include "model/train/judge/nets.h"
-#include "model/train/judge/parts.h"
 #include "model/train/judge/report.h"
 #include "model/train/judge/stream.h"
 
 namespace styled::judge {
 
+inline constexpr const char* kValidation = "validation";
+inline constexpr const char* kTest = "test";
+
 // The data for judging weights: a manifest's clips at kJudgeRate_hz, by split, and the inputs.
 struct Data {
   clip::Manifest manifest;
-  std::vector<train::TrainingClip> train, judge, validation;
+  std::string split = kValidation;  // the one that is judged, or kTest
+  std::vector<train::TrainingClip> train, judge;
+  std::vector<train::TrainingClip> validation;  // of `split`
   // The clips to be styled, at the stream's rate, with the content of each: the neutral clips of
-  // `validation`, or of another manifest's.
+  // `validation`, or of the same split of another manifest.
   std::vector<Poses> inputs;
   std::vector<int> contents;
 };
 
 // `inputs` may be empty: then the manifest's own neutral clips are used. Errors name the file.
 Result<Data> LoadData(const std::filesystem::path& manifest, const std::filesystem::path& inputs,
-                      const std::filesystem::path& folder);
+                      const std::filesystem::path& folder, const std::string& split = kValidation);
 
-// Judges for the manifest; read from `cache` if the same were trained before. They share the
-// settings and the clips.
+// Judges for the manifest; read from `cache` if the same were trained before. All of them, or
+// those of whole bodies alone, in half the time.
+Result<Panel> TrainPanel(const Data& data, const JudgeSettings& settings,
+                         const std::filesystem::path& cache);
 Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                            const std::filesystem::path& cache);
-Result<PartJudges> TrainPartJudges(const Data& data, const JudgeSettings& settings,
-                                   const std::filesystem::path& cache);
 
 inline constexpr int kAbsent = -1;
 
@@ -72,6 +77,10 @@ std::vector<Transferred> Style(const Data& data, const Styler& styler,
                                const stylist::Options& options, bool absolute);
 std::vector<Transferred> ApplyBaseline(const Data& data, OffsetPer per = OffsetPer::kStyle);
 std::vector<Transferred> Unstyled(const Data& data);
+// The constant offset of each style on the same inputs as `clips`, in the same styles.
+std::vector<Transferred> ByBaseline(const Data& data, std::span<const Transferred> clips);
+// The same offsets, by style.
+std::vector<ConstantOffset> StyleOffsets(const Data& data);
 
 // Writes the constant offset as weights of the family constant-offset, with the manifest's styles.
 Status WriteBaseline(const Data& data, const std::filesystem::path& file);

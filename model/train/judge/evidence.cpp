@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/net/weights_file.h"
+#include "model/train/judge/sha256.h"
 
 namespace styled::judge {
 
@@ -15,6 +16,25 @@ bool IsCalled(const Json& style, const std::string& name) {
   net::StyleInfo info{.name = style["name"].get<std::string>(),
                       .aliases = style["aliases"].get<std::vector<std::string>>()};
   return net::FindStyle({std::move(info)}, name) == 0;
+}
+
+Status NoneOfTheStyles(const std::filesystem::path& weights) {
+  return Status::Error(weights.string() + ": has none of the manifest's styles");
+}
+
+// A style whose figure stays beside those of `by`.
+Status CheckJudges(const Json& style, const JudgedBy& by, const std::filesystem::path& weights) {
+  const auto judged = style.find("judged_by");
+  if (judged == style.end() || !judged->is_object()) return Status::Ok();
+  const auto text = [&](const char* key) {
+    const auto found = judged->find(key);
+    return found != judged->end() && found->is_string() ? found->get<std::string>() : "";
+  };
+  if (text("manifest") != by.manifest || text("judges") == by.judges) return Status::Ok();
+  return Status::Error(weights.string() + ": style '" + style["name"].get<std::string>() +
+                       "' was judged on " + by.manifest + " by judges of SHA-256 " +
+                       Shown(text("judges")) + ", expected " + Shown(by.judges) +
+                       ", those of the new figures: judge all of them by the same");
 }
 
 }  // namespace
@@ -62,8 +82,7 @@ Status EditStyles(const std::filesystem::path& weights, std::span<const std::str
         any = true;
       }
     }
-    return any ? Status::Ok()
-               : Status::Error(weights.string() + ": has none of the manifest's styles");
+    return any ? Status::Ok() : NoneOfTheStyles(weights);
   });
 }
 
@@ -85,16 +104,27 @@ std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
   return all;
 }
 
-Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::path& weights) {
-  std::vector<std::string> names;
-  for (const Evidence& of : evidence) names.push_back(of.style);
-  return EditStyles(weights, names, [evidence](std::size_t name, Json& style) {
-    const Evidence& of = evidence[name];
-    style["recorded_s"] = std::round(10 * of.recorded_s) / 10;
-    // 0 means not measured: a style that is never recognized has the least figure instead.
-    if (of.recognized >= 0) {
-      style["recognized"] = std::max(0.001, std::round(1000 * of.recognized) / 1000);
+Status WriteEvidence(std::span<const Evidence> evidence, const JudgedBy& by,
+                     const std::filesystem::path& weights) {
+  return EditMetadata(weights, [&](Json& keys) {
+    bool any = false;
+    for (Json& style : keys["styles"]) {
+      const auto found = std::find_if(evidence.begin(), evidence.end(), [&](const Evidence& of) {
+        return IsCalled(style, of.style);
+      });
+      if (found == evidence.end()) {
+        const Status same = CheckJudges(style, by, weights);
+        if (!same.ok()) return same;
+        continue;
+      }
+      any = true;
+      style["recorded_s"] = std::round(10 * found->recorded_s) / 10;
+      if (found->recognized < 0) continue;
+      // 0 means not measured: a style that is never recognized has the least figure instead.
+      style["recognized"] = std::max(0.001, std::round(1000 * found->recognized) / 1000);
+      style["judged_by"] = {{"manifest", by.manifest}, {"judges", by.judges}};
     }
+    return any ? Status::Ok() : NoneOfTheStyles(weights);
   });
 }
 

@@ -52,8 +52,14 @@ std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
                                  std::span<const train::TrainingClip> clips, double rate_hz,
                                  const Figures& figures);
 
-// Writes it into the styles of a weights file; styles that are not in `evidence` keep what they
-// have.
-Status WriteEvidence(std::span<const Evidence> evidence, const std::filesystem::path& weights);
+// What says how often a style is recognized: a manifest's name, and its judges' SHA-256.
+struct JudgedBy {
+  std::string manifest, judges;
+};
+// Writes it into the styles of a weights file, with the judges; styles that are not in `evidence`
+// keep what they have. Refuses a file in which one of these was judged on the same manifest by
+// other judges: such figures must not stand side by side.
+Status WriteEvidence(std::span<const Evidence> evidence, const JudgedBy& by,
+                     const std::filesystem::path& weights);
 
 }  // namespace styled::judge

@@ -115,9 +115,7 @@ Poses ClipsBeside(std::span<const GaitSource> sources, std::size_t source, bool 
   return all;
 }
 
-void AddOnce(const Mean& of, Mean& to) {
-  if (of.count > 0) to.Add(of.value());
-}
+void AddOnce(const Mean& of, Mean& to) { to.Add(of.once()); }
 
 }  // namespace
 

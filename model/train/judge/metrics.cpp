@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <random>
 
 namespace styled::judge {
@@ -190,8 +191,95 @@ FeetFigures MeasureFeet(std::span<const body::Pose> input, std::span<const body:
   return figures;
 }
 
+double Spread(std::span<const double> by_judge) {
+  if (by_judge.size() < 2) return std::numeric_limits<double>::quiet_NaN();
+  const auto count = static_cast<double>(by_judge.size());
+  const double mean = std::accumulate(by_judge.begin(), by_judge.end(), 0.0) / count;
+  double squares = 0;
+  for (const double value : by_judge) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / (count - 1));
+}
+
+namespace {
+
+// Adds judges' sums to judges' sums.
+void AddByJudge(std::span<const double> of, std::vector<double>& to) {
+  to.resize(std::max(to.size(), of.size()), 0);
+  for (std::size_t judge = 0; judge < of.size(); ++judge) to[judge] += of[judge];
+}
+
+double MeanOf(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) /
+         std::max(1.0, static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+void Mean::Add(const Mean& other) {
+  sum += other.sum;
+  count += other.count;
+  AddByJudge(other.by_judge, by_judge);
+}
+
+void Mean::AddJudged(std::span<const double> sums, double more_count) {
+  sum += MeanOf(sums);
+  count += more_count;
+  AddByJudge(sums, by_judge);
+}
+
+double Mean::spread() const {
+  if (count <= 0) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> values;
+  for (const double sum_of_judge : by_judge) values.push_back(sum_of_judge / count);
+  return Spread(values);
+}
+
+Mean Mean::once() const {
+  if (count <= 0) return {};
+  Mean mean{.sum = value(), .count = 1};
+  for (const double sum_of_judge : by_judge) mean.by_judge.push_back(sum_of_judge / count);
+  return mean;
+}
+
+void ClipVerdict::Add(std::span<const double> hits_by_judge, double more_windows) {
+  hits += MeanOf(hits_by_judge);
+  windows += more_windows;
+  if (hits_by_judge.size() > 1) AddByJudge(hits_by_judge, by_judge);
+}
+
+namespace {
+
+using CellSums = std::map<int, std::pair<double, double>>;  // hits, windows
+
+double AverageOver(const CellSums& cells) {
+  Mean mean;
+  for (const auto& [cell, sums] : cells) {
+    if (sums.second > 0) mean.Add(sums.first / sums.second);
+  }
+  return mean.value();
+}
+
+std::vector<double> AverageByJudge(std::span<const ClipVerdict> verdicts) {
+  std::size_t judges = 0;
+  for (const ClipVerdict& verdict : verdicts) judges = std::max(judges, verdict.by_judge.size());
+  std::vector<double> values;
+  for (std::size_t judge = 0; judge < judges; ++judge) {
+    CellSums cells;
+    for (const ClipVerdict& verdict : verdicts) {
+      // A clip shorter than a window has no verdict of any judge.
+      if (verdict.windows <= 0) continue;
+      cells[verdict.cell].first += verdict.by_judge[judge];
+      cells[verdict.cell].second += verdict.windows;
+    }
+    values.push_back(AverageOver(cells));
+  }
+  return values;
+}
+
+}  // namespace
+
 Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int draws) {
-  std::map<int, std::pair<double, double>> cells;  // hits, windows
+  CellSums cells;
   std::vector<int> clips;
   for (const ClipVerdict& verdict : verdicts) {
     cells[verdict.cell].first += verdict.hits;
@@ -199,14 +287,8 @@ Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int 
     clips.push_back(verdict.clip);
   }
   Share share;
-  const auto average = [](const std::map<int, std::pair<double, double>>& of) {
-    Mean mean;
-    for (const auto& [cell, sums] : of) {
-      if (sums.second > 0) mean.Add(sums.first / sums.second);
-    }
-    return mean.value();
-  };
-  share.value = average(cells);
+  share.value = AverageOver(cells);
+  share.by_judge = AverageByJudge(verdicts);
   for (const auto& [cell, sums] : cells) {
     if (sums.second <= 0) continue;
     share.windows += sums.second;
@@ -226,14 +308,14 @@ Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int 
   for (int draw = 0; draw < draws; ++draw) {
     std::map<int, int> times;
     for (std::size_t i = 0; i < clips.size(); ++i) ++times[clips[pick(random)]];
-    std::map<int, std::pair<double, double>> drawn;
+    CellSums drawn;
     for (const ClipVerdict& verdict : verdicts) {
       const auto found = times.find(verdict.clip);
       if (found == times.end()) continue;
       drawn[verdict.cell].first += found->second * verdict.hits;
       drawn[verdict.cell].second += found->second * verdict.windows;
     }
-    values.push_back(average(drawn));
+    values.push_back(AverageOver(drawn));
   }
   share.low = Quantile(values, 0.025);
   share.high = Quantile(values, 0.975);

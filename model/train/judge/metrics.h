@@ -39,13 +39,21 @@ struct Pca {
 };
 Pca FitPca(const Eigen::MatrixXd& samples, int dimensions);
 
-// A mean that is accumulated clip by clip.
+// The standard deviation over judges of a figure of each (n - 1); NaN for fewer than two.
+double Spread(std::span<const double> by_judge);
+
+// A mean that is accumulated clip by clip. What several judges say is added with AddJudged; `sum`
+// is then the mean of their sums.
 struct Mean {
   double sum = 0, count = 0;
+  std::vector<double> by_judge = {};  // each judge's sum; empty where no judges decide
 
   void Add(double value) { sum += value, count += 1; }
-  void Add(const Mean& other) { sum += other.sum, count += other.count; }
+  void Add(const Mean& other);
+  void AddJudged(std::span<const double> sums, double more_count);
   double value() const { return count > 0 ? sum / count : 0; }
+  double spread() const;  // over judges
+  Mean once() const;      // this mean as one clip
 };
 
 // Joint jerk (m/s^3): the third difference of the joints' world positions without the hips'
@@ -93,17 +101,24 @@ FeetFigures MeasureFeet(std::span<const body::Pose> input, std::span<const body:
 
 // The verdicts on the windows of one transferred (or real) clip.
 struct ClipVerdict {
-  int cell = 0;  // the unit of averaging, e.g. content + contents * style
-  int clip = 0;  // the input clip: its transfers to six styles have six verdicts
-  double hits = 0, windows = 0;
+  int cell = 0;                  // the unit of averaging, e.g. content + contents * style
+  int clip = 0;                  // the input clip: its transfers to six styles have six verdicts
+  double hits = 0, windows = 0;  // hits: the mean over judges
+  std::vector<double> by_judge = {};  // each judge's hits; empty: there is one judge
+
+  void Add(std::span<const double> hits_by_judge, double more_windows);
 };
 
 // The mean over cells of each cell's share of hits, and its 95 % interval from a bootstrap over
-// clips (all verdicts of a clip are drawn together, because they are not independent).
+// clips (all verdicts of a clip are drawn together, because they are not independent). The interval
+// does not contain the spread over judges.
 struct Share {
   double value = 0, low = 0, high = 0, worst = 1;
   int worst_cell = -1;
   double windows = 0;
+  std::vector<double> by_judge = {};  // each judge's value, of which `value` is the mean
+
+  double spread() const { return Spread(by_judge); }
 };
 Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int draws = 1000);
 

@@ -30,12 +30,11 @@ std::vector<int> ActsOf(const clip::Manifest& manifest) {
 
 void AddVerdicts(const Judges& judges, std::span<const body::Pose> poses, int style, int content,
                  Mean* of_style, Mean& of_content) {
-  const Verdicts verdicts =
+  const std::vector<Verdicts> by_judge =
       judges.Judge(MakeSequence(poses, style, content, false, judges.parameters()), kStride);
-  for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
-    if (of_style != nullptr) of_style->Add(verdicts.style[i] == style ? 1 : 0);
-    of_content.Add(verdicts.content[i] == content ? 1 : 0);
-  }
+  const auto windows = static_cast<double>(by_judge.front().starts.size());
+  if (of_style != nullptr) of_style->AddJudged(Hits(by_judge, &Verdicts::style, style), windows);
+  of_content.AddJudged(Hits(by_judge, &Verdicts::content, content), windows);
 }
 
 }  // namespace
@@ -98,8 +97,10 @@ MixedFigures MeasureMixed(const Data& data, const Judges& judges, const ClipRest
     AddVerdicts(judges, cut(mixed.poses, segment), 0, segment.content, nullptr,
                 figures.acts[static_cast<std::size_t>(segment.content)].content_of_input);
   }
+  const std::vector<ConstantOffset> offsets = StyleOffsets(data);
   for (int style = 1; style < static_cast<int>(data.manifest.styles.size()); ++style) {
     if (!restyler.Has(style)) continue;
+    const ConstantOffset& offset = offsets[static_cast<std::size_t>(style)];
     const net::StyleCode code = restyler.CodeOf({.style = style});
     const Poses whole = RestyleRecorded(restyler, mixed.poses, code);
     for (const MixedClip::Segment& segment : mixed.segments) {
@@ -109,6 +110,9 @@ MixedFigures MeasureMixed(const Data& data, const Judges& judges, const ClipRest
       AddVerdicts(judges, cut(whole, segment), style, segment.content, &act.mixed.style,
                   act.mixed.content);
       AddVerdicts(judges, alone, style, segment.content, &act.alone.style, act.alone.content);
+      Poses by_offset;
+      for (const body::Pose& pose : input) by_offset.push_back(offset.Apply(pose));
+      AddVerdicts(judges, by_offset, style, segment.content, &act.offset.style, act.offset.content);
     }
   }
   return figures;
@@ -116,19 +120,19 @@ MixedFigures MeasureMixed(const Data& data, const Judges& judges, const ClipRest
 
 void Print(const clip::Manifest& manifest, const MixedFigures& figures) {
   std::printf(
-      "\nmixed acts (%.0f s in one clip, the mean code of each style), share of windows\n"
-      "%-10s %12s %10s %14s %12s %14s %8s\n",
-      figures.seconds, "", "style, mixed", "alone", "content, mixed", "alone", "content, input",
-      "windows");
+      "\nmixed acts (%.0f s in one clip, the mean code of each style), share of windows: style "
+      "mixed, alone, constant offset; content mixed, alone, constant offset, input; windows\n",
+      figures.seconds);
   for (std::size_t i = 0; i < figures.acts.size(); ++i) {
     const MixedFigures::Act& act = figures.acts[i];
     if (act.mixed.style.count <= 0) continue;
-    std::printf("%-10s %s %s %s %s %s %8.0f\n", manifest.contents[i].c_str(),
-                Padded(Measured(act.mixed.style), 12, 2).c_str(),
-                Padded(Measured(act.alone.style), 10, 2).c_str(),
-                Padded(Measured(act.mixed.content), 14, 2).c_str(),
-                Padded(Measured(act.alone.content), 12, 2).c_str(),
-                Padded(Measured(act.content_of_input), 14, 2).c_str(), act.mixed.style.count);
+    std::printf("%-10s", manifest.contents[i].c_str());
+    for (const Mean* share :
+         {&act.mixed.style, &act.alone.style, &act.offset.style, &act.mixed.content,
+          &act.alone.content, &act.offset.content, &act.content_of_input}) {
+      std::printf("  %s", Padded(*share, 5, 2).c_str());
+    }
+    std::printf(" %8.0f\n", act.mixed.style.count);
   }
 }
 
@@ -137,12 +141,18 @@ nlohmann::json ToJson(const clip::Manifest& manifest, const MixedFigures& figure
   for (std::size_t i = 0; i < figures.acts.size(); ++i) {
     const MixedFigures::Act& act = figures.acts[i];
     if (act.mixed.style.count <= 0) continue;
-    json["acts"][manifest.contents[i]] = {{"sra_mixed", Value(Measured(act.mixed.style))},
-                                          {"sra_alone", Value(Measured(act.alone.style))},
-                                          {"cra_mixed", Value(Measured(act.mixed.content))},
-                                          {"cra_alone", Value(Measured(act.alone.content))},
-                                          {"cra_input", Value(Measured(act.content_of_input))},
-                                          {"windows", act.mixed.style.count}};
+    nlohmann::json& row = json["acts"][manifest.contents[i]];
+    for (const auto& [key, share] : {std::pair{"sra_mixed", &act.mixed.style},
+                                     {"sra_alone", &act.alone.style},
+                                     {"sra_offset", &act.offset.style},
+                                     {"cra_mixed", &act.mixed.content},
+                                     {"cra_alone", &act.alone.content},
+                                     {"cra_offset", &act.offset.content},
+                                     {"cra_input", &act.content_of_input}}) {
+      row[key] = Value(Measured(*share));
+      row[std::string(key) + "_spread"] = Value(share->spread());
+    }
+    row["windows"] = act.mixed.style.count;
   }
   return json;
 }

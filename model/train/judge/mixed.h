@@ -32,8 +32,8 @@ struct ActRecognition {
 };
 struct MixedFigures {
   struct Act {
-    ActRecognition mixed, alone;
-    Mean content_of_input;  // share of the input's windows
+    ActRecognition mixed, alone, offset;  // offset: the constant one, on the same frames
+    Mean content_of_input;                // share of the input's windows
   };
   std::vector<Act> acts;  // by content
   double seconds = 0;

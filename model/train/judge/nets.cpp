@@ -2,6 +2,7 @@
 
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <numeric>
 
@@ -52,7 +53,9 @@ struct Judges::Impl : torch::nn::Module {
   }
   torch::Tensor RotationMean() const { return mean.slice(1, 0, erd::kRotationFeatures); }
 
+  void TrainOn(const std::vector<train::TrainingClip>& clips, int styles, int contents);
   void Train(const std::vector<Sequence>& sequences, int styles, int contents);
+  Verdicts Judge(const torch::Tensor& windows) const;
   void SetParameters() {
     erd::Features values;
     const torch::Tensor flat = mean.contiguous();
@@ -67,6 +70,24 @@ struct Judges::Impl : torch::nn::Module {
   mutable AutoEncoder encoder;
   torch::Tensor mean, deviation;
 };
+
+void Judges::Impl::TrainOn(const std::vector<train::TrainingClip>& clips, int styles,
+                           int contents) {
+  const train::FeatureStatistics statistics = train::ComputeStatistics(clips, feature_parameters);
+  for (int i = 0; i < erd::kFeatureCount; ++i) {
+    mean[0][i][0] = statistics.mean[i];
+    deviation[0][i][0] = statistics.deviation[i];
+  }
+  SetParameters();
+  std::vector<Sequence> sequences;
+  for (const train::TrainingClip& clip : clips) {
+    for (const bool mirrored : {false, true}) {
+      sequences.push_back(
+          MakeSequence(clip.poses, clip.style, clip.content, mirrored, feature_parameters));
+    }
+  }
+  Train(sequences, styles, contents);
+}
 
 void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int contents) {
   const int batch = settings.batch;
@@ -100,61 +121,92 @@ void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int
                   encoder_loss.item<double>());
     return std::string(text);
   };
-  Optimize("judges", torch::nn::Module::parameters(), settings.iterations, loss, state);
+  Optimize("judges of seed " + std::to_string(settings.seed), torch::nn::Module::parameters(),
+           settings.iterations, loss, state);
 }
 
-Judges::Judges(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Judges::Judges(const JudgeSettings& settings) : settings_(settings) {}
 Judges::~Judges() = default;
 Judges::Judges(Judges&&) noexcept = default;
 Judges& Judges::operator=(Judges&&) noexcept = default;
-const JudgeSettings& Judges::settings() const { return impl_->settings; }
-const erd::FeatureParameters& Judges::parameters() const { return impl_->feature_parameters; }
+const JudgeSettings& Judges::settings() const { return settings_; }
+// The same for all seeds: they follow from the clips.
+const erd::FeatureParameters& Judges::parameters() const {
+  return judges_.front()->feature_parameters;
+}
+
+std::vector<double> Hits(std::span<const Verdicts> by_judge, std::vector<int> Verdicts::*answers,
+                         int right) {
+  std::vector<double> hits;
+  for (const Verdicts& verdicts : by_judge) {
+    const std::vector<int>& given = verdicts.*answers;
+    hits.push_back(static_cast<double>(std::count(given.begin(), given.end(), right)));
+  }
+  return hits;
+}
 
 Result<Judges> Judges::TrainOrLoad(const std::vector<train::TrainingClip>& clips, int styles,
                                    int contents, const JudgeSettings& settings,
                                    const std::filesystem::path& cache, const std::string& key) {
   torch::set_num_threads(1);
-  torch::manual_seed(settings.seed);
-  const std::filesystem::path file = cache / ("judges-" + key + ".pt");
-  try {
-    auto impl = std::make_unique<Impl>(styles, contents, settings);
-    if (std::filesystem::exists(file)) {
-      torch::serialize::InputArchive archive;
-      archive.load_from(file.string());
-      impl->load(archive);
-      impl->SetParameters();
-    } else {
-      const train::FeatureStatistics statistics =
-          train::ComputeStatistics(clips, impl->feature_parameters);
-      for (int i = 0; i < erd::kFeatureCount; ++i) {
-        impl->mean[0][i][0] = statistics.mean[i];
-        impl->deviation[0][i][0] = statistics.deviation[i];
+  Judges judges(settings);
+  for (const JudgeSettings& one : EachSeed(settings)) {
+    torch::manual_seed(one.seed);
+    const std::filesystem::path file = CacheFile(cache, "judges", key, one.seed);
+    try {
+      auto impl = std::make_unique<Impl>(styles, contents, one);
+      if (std::filesystem::exists(file)) {
+        torch::serialize::InputArchive archive;
+        archive.load_from(file.string());
+        impl->load(archive);
+        impl->SetParameters();
+      } else {
+        impl->TrainOn(clips, styles, contents);
+        SaveModule(*impl, file);
       }
-      impl->SetParameters();
-      std::vector<Sequence> sequences;
-      for (const train::TrainingClip& clip : clips) {
-        for (const bool mirrored : {false, true}) {
-          sequences.push_back(MakeSequence(clip.poses, clip.style, clip.content, mirrored,
-                                           impl->feature_parameters));
-        }
-      }
-      impl->Train(sequences, styles, contents);
-      SaveModule(*impl, file);
+      impl->eval();
+      judges.judges_.push_back(std::move(impl));
+    } catch (const std::exception& error) {
+      return Status::Error(file.string() + ": " + error.what());
     }
-    impl->eval();
-    return Judges(std::move(impl));
-  } catch (const std::exception& error) {
-    return Status::Error(file.string() + ": " + error.what());
   }
+  return judges;
 }
 
-std::vector<int> Judges::JudgeStyle(const Sequence& sequence, int window) const {
+Judges Judges::Read(net::TensorReader& tensors, int styles, int contents,
+                    const JudgeSettings& settings) {
+  torch::set_num_threads(1);
+  Judges judges(settings);
+  for (const JudgeSettings& one : EachSeed(settings)) {
+    auto impl = std::make_unique<Impl>(styles, contents, one);
+    ReadTensors(*impl, std::to_string(one.seed) + ".", tensors);
+    impl->SetParameters();
+    impl->eval();
+    judges.judges_.push_back(std::move(impl));
+  }
+  return judges;
+}
+
+std::vector<net::NamedTensor> Judges::Tensors() const {
+  std::vector<net::NamedTensor> tensors;
+  for (const auto& judge : judges_) {
+    AppendTensors(*judge, std::to_string(judge->settings.seed) + ".", tensors);
+  }
+  return tensors;
+}
+
+std::vector<std::vector<int>> Judges::JudgeStyle(const Sequence& sequence, int window) const {
   torch::NoGradGuard no_grad;
   std::vector<int> starts(
       static_cast<std::size_t>(std::max(0, static_cast<int>(sequence.frames.size()) - window + 1)));
   std::iota(starts.begin(), starts.end(), 0);
-  if (starts.empty()) return {};
-  return Answers(impl_->style(impl_->Standardize(Windows(sequence, starts, window))));
+  std::vector<std::vector<int>> by_judge(judges_.size());
+  if (starts.empty()) return by_judge;
+  const torch::Tensor windows = Windows(sequence, starts, window);
+  for (std::size_t i = 0; i < judges_.size(); ++i) {
+    by_judge[i] = Answers(judges_[i]->style(judges_[i]->Standardize(windows)));
+  }
+  return by_judge;
 }
 
 namespace {
@@ -167,23 +219,30 @@ Eigen::MatrixXd Rows(const torch::Tensor& matrix) {
 
 }  // namespace
 
-Verdicts Judges::Judge(const Sequence& sequence, int stride) const {
-  torch::NoGradGuard no_grad;
-  const int window = impl_->settings.window;
+Verdicts Judges::Impl::Judge(const torch::Tensor& windows) const {
   Verdicts verdicts;
-  const int last = static_cast<int>(sequence.frames.size()) - window;
-  for (int start = 0; start <= last; start += stride) verdicts.starts.push_back(start);
-  if (verdicts.starts.empty()) return verdicts;
-
-  const torch::Tensor windows = Windows(sequence, verdicts.starts, window);
-  const torch::Tensor x = impl_->Standardize(windows);
-  verdicts.style = Answers(impl_->style(x));
-  const torch::Tensor pooled = impl_->content->Pool(x);
-  verdicts.content = Answers(impl_->content->head(pooled));
+  const torch::Tensor x = Standardize(windows);
+  verdicts.style = Answers(style(x));
+  const torch::Tensor pooled = content->Pool(x);
+  verdicts.content = Answers(content->head(pooled));
   verdicts.content_features = Rows(pooled.slice(1, 0, pooled.size(1) / 2));
-  verdicts.embedding =
-      Rows(impl_->encoder->Encode(impl_->Rotations(windows) - impl_->RotationMean()).mean(2));
+  verdicts.embedding = Rows(encoder->Encode(Rotations(windows) - RotationMean()).mean(2));
   return verdicts;
+}
+
+std::vector<Verdicts> Judges::Judge(const Sequence& sequence, int stride) const {
+  torch::NoGradGuard no_grad;
+  std::vector<int> starts;
+  const int last = static_cast<int>(sequence.frames.size()) - settings_.window;
+  for (int start = 0; start <= last; start += stride) starts.push_back(start);
+  std::vector<Verdicts> by_judge(judges_.size());
+  if (starts.empty()) return by_judge;
+  const torch::Tensor windows = Windows(sequence, starts, settings_.window);
+  for (std::size_t i = 0; i < judges_.size(); ++i) {
+    by_judge[i] = judges_[i]->Judge(windows);
+    by_judge[i].starts = starts;
+  }
+  return by_judge;
 }
 
 }  // namespace styled::judge

@@ -107,6 +107,7 @@ struct PartJudges::Impl : torch::nn::Module {
     }
   }
 
+  void TrainOn(const std::vector<train::TrainingClip>& clips, int styles, int contents);
   void Train(const std::vector<Sequence>& sequences, int styles, int contents);
 
   JudgeSettings settings;
@@ -163,10 +164,23 @@ void PartJudges::Impl::Train(const std::vector<Sequence>& sequences, int styles,
     }
     return text;
   };
-  Optimize("judges of parts", torch::nn::Module::parameters(), settings.iterations, loss, state);
+  Optimize("judges of parts of seed " + std::to_string(settings.seed),
+           torch::nn::Module::parameters(), settings.iterations, loss, state);
 }
 
-PartJudges::PartJudges(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+void PartJudges::Impl::TrainOn(const std::vector<train::TrainingClip>& clips, int styles,
+                               int contents) {
+  std::vector<Sequence> sequences;
+  for (const train::TrainingClip& clip : clips) {
+    for (const bool mirrored : {false, true}) {
+      sequences.push_back(
+          MakeSequence(clip.poses, clip.style, clip.content, mirrored, parameters_of_features));
+    }
+  }
+  Train(sequences, styles, contents);
+}
+
+PartJudges::PartJudges(const JudgeSettings& settings) : settings_(settings) {}
 PartJudges::~PartJudges() = default;
 PartJudges::PartJudges(PartJudges&&) noexcept = default;
 PartJudges& PartJudges::operator=(PartJudges&&) noexcept = default;
@@ -176,47 +190,65 @@ Result<PartJudges> PartJudges::TrainOrLoad(const std::vector<train::TrainingClip
                                            const std::filesystem::path& cache,
                                            const std::string& key) {
   torch::set_num_threads(1);
-  torch::manual_seed(settings.seed);
-  const std::filesystem::path file = cache / ("parts-" + key + ".pt");
-  try {
-    auto impl = std::make_unique<Impl>(styles, settings);
-    if (std::filesystem::exists(file)) {
-      torch::serialize::InputArchive archive;
-      archive.load_from(file.string());
-      impl->load(archive);
-    } else {
-      std::vector<Sequence> sequences;
-      for (const train::TrainingClip& clip : clips) {
-        for (const bool mirrored : {false, true}) {
-          sequences.push_back(MakeSequence(clip.poses, clip.style, clip.content, mirrored,
-                                           impl->parameters_of_features));
-        }
+  PartJudges judges(settings);
+  for (const JudgeSettings& one : EachSeed(settings)) {
+    torch::manual_seed(one.seed);
+    const std::filesystem::path file = CacheFile(cache, "parts", key, one.seed);
+    try {
+      auto impl = std::make_unique<Impl>(styles, one);
+      if (std::filesystem::exists(file)) {
+        torch::serialize::InputArchive archive;
+        archive.load_from(file.string());
+        impl->load(archive);
+      } else {
+        impl->TrainOn(clips, styles, contents);
+        SaveModule(*impl, file);
       }
-      impl->Train(sequences, styles, contents);
-      SaveModule(*impl, file);
+      impl->eval();
+      judges.judges_.push_back(std::move(impl));
+    } catch (const std::exception& error) {
+      return Status::Error(file.string() + ": " + error.what());
     }
-    impl->eval();
-    return PartJudges(std::move(impl));
-  } catch (const std::exception& error) {
-    return Status::Error(file.string() + ": " + error.what());
   }
+  return judges;
 }
 
-PartJudges::Answers PartJudges::Judge(std::span<const Pose> poses, int stride) const {
-  torch::NoGradGuard no_grad;
-  const Sequence sequence = MakeSequence(poses, 0, 0, false, impl_->parameters_of_features);
-  const int window = impl_->settings.window;
-  std::vector<int> starts;
-  const int last = static_cast<int>(sequence.frames.size()) - window;
-  for (int start = 0; start <= last; start += stride) starts.push_back(start);
-  Answers answers;
-  if (starts.empty()) return answers;
-  const torch::Tensor windows = Windows(sequence, starts, window);
-  for (std::size_t i = 0; i < impl_->views.size(); ++i) {
-    ViewJudge& view = impl_->views[i];
-    answers[i] = judge::Answers(view->classifier(view->Standardize(view->See(windows))));
+PartJudges PartJudges::Read(net::TensorReader& tensors, int styles, const JudgeSettings& settings) {
+  PartJudges judges(settings);
+  for (const JudgeSettings& one : EachSeed(settings)) {
+    auto impl = std::make_unique<Impl>(styles, one);
+    ReadTensors(*impl, std::to_string(one.seed) + ".parts.", tensors);
+    impl->eval();
+    judges.judges_.push_back(std::move(impl));
   }
-  return answers;
+  return judges;
+}
+
+std::vector<net::NamedTensor> PartJudges::Tensors() const {
+  std::vector<net::NamedTensor> tensors;
+  for (const auto& judge : judges_) {
+    AppendTensors(*judge, std::to_string(judge->settings.seed) + ".parts.", tensors);
+  }
+  return tensors;
+}
+
+std::vector<PartJudges::Answers> PartJudges::Judge(std::span<const Pose> poses, int stride) const {
+  torch::NoGradGuard no_grad;
+  const Sequence sequence =
+      MakeSequence(poses, 0, 0, false, judges_.front()->parameters_of_features);
+  std::vector<int> starts;
+  const int last = static_cast<int>(sequence.frames.size()) - settings_.window;
+  for (int start = 0; start <= last; start += stride) starts.push_back(start);
+  std::vector<Answers> by_judge(judges_.size());
+  if (starts.empty()) return by_judge;
+  const torch::Tensor windows = Windows(sequence, starts, settings_.window);
+  for (std::size_t j = 0; j < judges_.size(); ++j) {
+    for (std::size_t i = 0; i < kPartViewCount; ++i) {
+      ViewJudge& view = judges_[j]->views[i];
+      by_judge[j][i] = judge::Answers(view->classifier(view->Standardize(view->See(windows))));
+    }
+  }
+  return by_judge;
 }
 
 }  // namespace styled::judge

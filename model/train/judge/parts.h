@@ -32,8 +32,8 @@ struct PartView {
 inline constexpr std::size_t kPartViewCount = 7;
 const std::array<PartView, kPartViewCount>& PartViews();
 
-// Style classifiers of one view each, trained as Judges are, on the same clips. Judge() is const
-// and may be called from any number of threads.
+// Style classifiers of one view each, trained as Judges are, on the same clips, for each seed.
+// Judge() is const and may be called from any number of threads.
 class PartJudges {
  public:
   // The style that each view's judge recognizes in a window; by view, then by window.
@@ -44,17 +44,22 @@ class PartJudges {
   static Result<PartJudges> TrainOrLoad(const std::vector<train::TrainingClip>& clips, int styles,
                                         int contents, const JudgeSettings& settings,
                                         const std::filesystem::path& cache, const std::string& key);
+  // Of tensors that Tensors() gave (judges_file.h); faults are the reader's.
+  static PartJudges Read(net::TensorReader& tensors, int styles, const JudgeSettings& settings);
   ~PartJudges();
   PartJudges(PartJudges&&) noexcept;
   PartJudges& operator=(PartJudges&&) noexcept;
 
-  // Judges a window at every `stride`-th frame, as Judges::Judge does.
-  Answers Judge(std::span<const body::Pose> poses, int stride) const;
+  // What each judge says of a window at every `stride`-th frame, as Judges::Judge does.
+  std::vector<Answers> Judge(std::span<const body::Pose> poses, int stride) const;
+  // Names begin with the seed and "parts".
+  std::vector<net::NamedTensor> Tensors() const;
 
  private:
   struct Impl;
-  explicit PartJudges(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit PartJudges(const JudgeSettings& settings);
+  JudgeSettings settings_;
+  std::vector<std::unique_ptr<Impl>> judges_;
 };
 
 }  // namespace styled::judge

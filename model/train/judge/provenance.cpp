@@ -1,14 +1,13 @@
 #include "model/train/judge/provenance.h"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <string_view>
 
-#include "model/base/hash.h"
 #include "model/train/judge/examples.h"
+#include "model/train/judge/sha256.h"
 
 namespace styled::judge {
 namespace {
@@ -25,6 +24,9 @@ constexpr std::array kGlossary{
     Term{"CRA",
          "content recognition accuracy: share of windows in which the content judge still "
          "recognizes the performer's content"},
+    Term{"judges, ±",
+         "judges that differ in their seed alone: a figure is their mean, after ± their standard "
+         "deviation; the interval is over clips and does not contain it"},
     Term{"cell", "one style in one content"},
     Term{"movement",
          "a style judge of joint positions less their mean over the window, which no "
@@ -113,39 +115,6 @@ constexpr std::array kGlossary{
     Term{"-", "not measured"},
 };
 
-std::string Hex(std::uint64_t hash) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
-}
-
-nlohmann::json OfSplit(const std::vector<train::TrainingClip>& clips) {
-  Fnv1a hash;
-  std::size_t frames = 0;
-  for (const train::TrainingClip& clip : clips) {
-    hash.Text(std::filesystem::path(clip.file).filename().string());
-    hash.Number(clip.style);
-    hash.Number(clip.content);
-    for (const body::Pose& pose : clip.poses) {
-      const auto add = [&hash](float value) {
-        hash.Number(static_cast<std::int64_t>(std::lround(1e4F * value)));
-      };
-      for (int axis = 0; axis < 3; ++axis) add(pose.hips_position_m[axis]);
-      for (const body::Quat& rotation : pose.rotations) {
-        for (int i = 0; i < 4; ++i) add(rotation.coeffs()[i]);
-      }
-    }
-    frames += clip.poses.size();
-  }
-  return {{"clips", clips.size()}, {"frames", frames}, {"hash", Hex(hash.value())}};
-}
-
-std::string HashOfFile(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return Hex(HashOf(bytes));
-}
-
 }  // namespace
 
 std::string CommandLine(int argc, char** argv) {
@@ -160,52 +129,76 @@ Status WriteJson(const nlohmann::json& json, const std::filesystem::path& file) 
   return out.flush() ? Status::Ok() : Status::Error(file.string() + ": cannot be written");
 }
 
-nlohmann::json Provenance(const std::string& command, const Data& data,
-                          const JudgeSettings& settings, const std::string& weights) {
+nlohmann::json JudgesOf(const Panel& panel) {
+  nlohmann::json json = {{"sha256", panel.hash}};
+  for (const char* const key :
+       {"manifest", "seed", "count", "iterations", "batch", "window", "recipes", "clips"}) {
+    json[key] = panel.header[key];
+  }
+  return json;
+}
+
+void PrintJudges(const nlohmann::json& judges) {
+  const auto seed = judges["seed"].get<unsigned>();
+  const auto count = judges["count"].get<unsigned>();
+  std::printf("judges: SHA-256 %s, seeds %u to %u, %d iterations of %d windows of %d frames\n",
+              Shown(judges["sha256"].get<std::string>()).c_str(), seed, seed + count - 1,
+              judges["iterations"].get<int>(), judges["batch"].get<int>(),
+              judges["window"].get<int>());
+}
+
+nlohmann::json WeightsOf(const std::string& weights) {
+  std::string names;
+  std::string hashes;
+  const auto files = JoinedFiles(weights);
+  if (!files.ok()) return {{"file", weights}, {"sha256", nullptr}};
+  for (const std::filesystem::path& file : files.value()) {
+    const auto hash = Sha256OfFile(file);
+    names.append(names.empty() ? "" : "+").append(file.filename().string());
+    hashes.append(hashes.empty() ? "" : "+").append(hash.ok() ? hash.value() : "unreadable");
+  }
+  return {{"file", names}, {"sha256", hashes}};
+}
+
+void PrintWeights(const nlohmann::json& weights) {
+  std::string shown;  // each hash of joined files
+  std::istringstream hashes(weights["sha256"].is_string() ? weights["sha256"].get<std::string>()
+                                                          : "not read");
+  for (std::string hash; std::getline(hashes, hash, '+');) {
+    shown.append(shown.empty() ? "" : "+").append(Shown(hash));
+  }
+  std::printf("weights: %s, SHA-256 %s\n", weights["file"].get<std::string>().c_str(),
+              shown.c_str());
+}
+
+nlohmann::json Provenance(const std::string& command, const Data& data, const Panel& panel,
+                          const std::string& weights) {
   nlohmann::json json = {{"command", command},
                          {"manifest", data.manifest.name},
-                         {"judges",
-                          {{"seed", settings.seed},
-                           {"iterations", settings.iterations},
-                           {"batch", settings.batch},
-                           {"window", settings.window},
-                           {"recipes", {kJudgeRecipe, kPartRecipe}}}},
+                         {"split", data.split},
+                         {"judges", JudgesOf(panel)},
                          {"data",
-                          {{"train", OfSplit(data.train)},
-                           {"judge", OfSplit(data.judge)},
-                           {"validation", OfSplit(data.validation)}}},
+                          {{"train", OfClips(data.train)},
+                           {"judge", OfClips(data.judge)},
+                           {data.split, OfClips(data.validation)}}},
                          {"inputs", data.inputs.size()}};
-  if (!weights.empty()) {
-    std::string names, hashes;
-    if (const auto files = JoinedFiles(weights); files.ok()) {
-      for (const std::filesystem::path& file : files.value()) {
-        names.append(names.empty() ? "" : "+").append(file.filename().string());
-        hashes.append(hashes.empty() ? "" : "+").append(HashOfFile(file));
-      }
-    }
-    json["weights"] = {{"file", names}, {"hash", hashes}};
-  }
+  if (!weights.empty()) json["weights"] = WeightsOf(weights);
   return json;
 }
 
 void PrintProvenance(const nlohmann::json& provenance) {
   std::printf("%s\n", provenance["command"].get<std::string>().c_str());
-  const nlohmann::json& judges = provenance["judges"];
-  std::printf("judges: seed %u, %d iterations of %d windows of %d frames\n",
-              judges["seed"].get<unsigned>(), judges["iterations"].get<int>(),
-              judges["batch"].get<int>(), judges["window"].get<int>());
-  if (provenance.contains("weights")) {
-    std::printf("weights: %s, hash %s\n", provenance["weights"]["file"].get<std::string>().c_str(),
-                provenance["weights"]["hash"].get<std::string>().c_str());
-  }
-  const auto split = [&](const char* name, const char* purpose) {
+  PrintJudges(provenance["judges"]);
+  if (provenance.contains("weights")) PrintWeights(provenance["weights"]);
+  const auto split = [&](const std::string& name, const char* purpose) {
     const nlohmann::json& of = provenance["data"][name];
     std::printf("data: %5zu clips %s, %6zu frames, hash %s\n", of["clips"].get<std::size_t>(),
                 purpose, of["frames"].get<std::size_t>(), of["hash"].get<std::string>().c_str());
   };
+  const auto judged = provenance["split"].get<std::string>();
   split("train", "train the generator");
   split("judge", "train the judges");
-  split("validation", "are judged");
+  split(judged, ("are judged (" + judged + ")").c_str());
   std::printf("%zu inputs\n", provenance["inputs"].get<std::size_t>());
 }
 

@@ -1,6 +1,7 @@
 #include "model/train/judge/report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
@@ -20,6 +21,7 @@ constexpr double kWorthSaying = 0.05;
 
 nlohmann::json ShareToJson(const Share& share) {
   return {{"value", Value(Measured(share))},
+          {"spread", Value(share.spread())},
           {"low", share.low},
           {"high", share.high},
           {"windows", share.windows},
@@ -30,11 +32,27 @@ double Deepest_cm(const FeetFigures& feet) {
   return feet.penetration_cm.count > 0 ? feet.deepest_cm : kNotMeasured;
 }
 
-// A share with its interval, as a table's cell.
+// The Frechet distances with their names in JSON, in the order of the table.
+struct DistanceColumn {
+  const char* key;
+  double Distances::*of;
+  int width;
+};
+constexpr std::array<DistanceColumn, 6> kDistances{{
+    {"fmd", &Distances::fmd, 7},
+    {"fmd_real_real", &Distances::fmd_real, 5},
+    {"fmd_neutral_target", &Distances::fmd_neutral, 6},
+    {"content_fmd", &Distances::content_fmd, 6},
+    {"content_fmd_real_real", &Distances::content_fmd_real, 5},
+    {"content_fmd_neutral_target", &Distances::content_fmd_neutral, 5},
+}};
+
+// A share as a table's cell: the spread over judges where there are several, and the interval.
 std::string Interval(const Share& share) {
+  if (share.windows <= 0) return "      -          ";
   char text[48];
-  std::snprintf(text, sizeof text, "%.3f [%.2f %.2f]", share.value, share.low, share.high);
-  return share.windows > 0 ? text : "      -          ";
+  std::snprintf(text, sizeof text, " [%.2f %.2f]", share.low, share.high);
+  return Padded(share, 5, 3) + text;
 }
 
 std::string Joined(std::initializer_list<std::string> cells) {
@@ -47,10 +65,12 @@ std::string ShiftsAndDistances(const StyleFigures& of) {
   const auto both = [](const Expression& expression) {
     return Joined({Padded(expression.fraction, 5, 2), Padded(expression.cosine, 5, 2)});
   };
-  return Joined({both(of.expression), both(of.expression_walk), both(of.expression_real),
-                 Padded(of.fmd, 7, 2), Padded(of.fmd_real, 5, 2), Padded(of.fmd_neutral, 6, 2),
-                 Padded(of.content_fmd, 6, 2), Padded(of.content_fmd_real, 5, 2),
-                 Padded(of.content_fmd_neutral, 5, 2)});
+  std::string text =
+      Joined({both(of.expression), both(of.expression_walk), both(of.expression_real)});
+  for (const DistanceColumn& column : kDistances) {
+    text += " " + Padded(of.Distance(column.of), of.DistanceSpread(column.of), column.width, 2);
+  }
+  return text;
 }
 
 std::string JerkAndFeet(const StyleFigures& of) {
@@ -69,7 +89,60 @@ std::vector<ClipVerdict> Of(std::span<const ClipVerdict> verdicts, int style, in
   return of;
 }
 
+void PrintHeader(bool several) {
+  const int share = several ? 7 : 0;  // characters of " ±0.003"
+  const int distance = several ? 6 : 0;
+  std::printf("%-10s", "style");
+  for (const char* const share_of : {"SRA", "CRA"}) {
+    const std::string title = std::string(share_of) + (several ? " judges [95 %]" : " [95 %]");
+    std::printf(" %-*s %-*s", 17 + share, title.c_str(), 5 + share,
+                share_of[0] == 'S' ? "real" : "in");
+  }
+  std::printf("  %-11s %-11s %-11s ", " expr   cos", " walk   cos", " real   cos");
+  for (const char* const title : {"FMD", "FMD-c"}) {
+    const DistanceColumn* const column = &kDistances[title[3] == '-' ? 3 : 0];
+    std::printf(" %*s%*s %*s%*s %*s%*s", column[0].width, title, distance, "", column[1].width,
+                "real", distance, "", column[2].width, "neutr", distance, "");
+  }
+  std::printf("  %5s %5s %5s  %-12s %-9s\n", "jit120", "jit30", "real", " skate cm/s", "floor cm");
+}
+
+// A distance by each judge.
+std::vector<double> OfJudges(std::span<const Distances> distances, double Distances::*of) {
+  std::vector<double> values;
+  for (const Distances& judge : distances) values.push_back(judge.*of);
+  return values;
+}
+
+// Over the styles that have them, by judge.
+std::vector<Distances> MeanDistances(std::span<const StyleFigures> styles) {
+  std::vector<Distances> means;
+  for (const StyleFigures& style : styles) {
+    means.resize(std::max(means.size(), style.distances.size()));
+  }
+  for (std::size_t judge = 0; judge < means.size(); ++judge) {
+    for (const DistanceColumn& column : kDistances) {
+      Mean mean;
+      for (const StyleFigures& style : styles) {
+        if (judge < style.distances.size()) mean.Add(style.distances[judge].*column.of);
+      }
+      means[judge].*column.of = Measured(mean);
+    }
+  }
+  return means;
+}
+
 }  // namespace
+
+double StyleFigures::Distance(double Distances::*of) const {
+  Mean mean;
+  for (const double value : OfJudges(distances, of)) mean.Add(value);
+  return Measured(mean);
+}
+
+double StyleFigures::DistanceSpread(double Distances::*of) const {
+  return Spread(OfJudges(distances, of));
+}
 
 Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
                      const std::vector<train::TrainingClip>& train,
@@ -85,15 +158,18 @@ Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
   const auto sequence = [&](const train::TrainingClip& clip) {
     return MakeSequence(clip.poses, clip.style, clip.content, false, judges.parameters());
   };
-  std::vector<Eigen::RowVectorXd> embeddings;
+  Cell of_judge;
   for (const train::TrainingClip& clip : judge) {
-    const Eigen::MatrixXd e = judges.Judge(sequence(clip), kSparseStride).embedding;
-    for (Eigen::Index i = 0; i < e.rows(); ++i) embeddings.emplace_back(e.row(i));
-    if (e.rows() > 0) known_[cell_of(clip.style, clip.content)] = true;
+    const std::size_t before = of_judge.windows();
+    Gather(sequence(clip), kSparseStride, of_judge, nullptr, nullptr);
+    if (of_judge.windows() > before) known_[cell_of(clip.style, clip.content)] = true;
   }
-  Eigen::MatrixXd samples(static_cast<Eigen::Index>(embeddings.size()), embeddings.front().cols());
-  for (std::size_t i = 0; i < embeddings.size(); ++i) samples.row(i) = embeddings[i];
-  pca_ = FitPca(samples, kFmdDimensions);
+  for (const Features& features : of_judge.features) {
+    const Rows& rows = features.embeddings;
+    Eigen::MatrixXd samples(static_cast<Eigen::Index>(rows.size()), rows.front().cols());
+    for (std::size_t i = 0; i < rows.size(); ++i) samples.row(i) = rows[i];
+    pca_.push_back(FitPca(samples, kFmdDimensions));
+  }
 
   for (const train::TrainingClip& clip : train) {
     Gather(sequence(clip), kSparseStride, other_real_[cell_of(clip.style, clip.content)], nullptr,
@@ -116,20 +192,31 @@ Evaluator::Evaluator(const clip::Manifest& manifest, const Judges& judges,
 
 void Evaluator::Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
                        ClipVerdict* content, ClipVerdict* first) const {
-  const Verdicts verdicts = judges_.Judge(sequence, stride);
-  if (first != nullptr && !verdicts.starts.empty()) {
-    first->windows = 1;
-    first->hits = verdicts.style.front() == sequence.style;
+  const std::vector<Verdicts> by_judge = judges_.Judge(sequence, stride);
+  const auto windows = static_cast<double>(by_judge.front().starts.size());
+  const auto hits = [&by_judge](std::vector<int> Verdicts::*answers, int right) {
+    return Hits(by_judge, answers, right);
+  };
+  if (style != nullptr) style->Add(hits(&Verdicts::style, sequence.style), windows);
+  if (content != nullptr) content->Add(hits(&Verdicts::content, sequence.content), windows);
+  if (first != nullptr && windows > 0) {
+    std::vector<double> of_first;
+    for (const Verdicts& verdicts : by_judge) {
+      of_first.push_back(verdicts.style.front() == sequence.style ? 1 : 0);
+    }
+    first->Add(of_first, 1);
   }
-  for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
-    if (style != nullptr) style->hits += verdicts.style[i] == sequence.style;
-    cell.taken_for[verdicts.style[i]] += 1;
-    if (content != nullptr) content->hits += verdicts.content[i] == sequence.content;
-    cell.embeddings.emplace_back(verdicts.embedding.row(static_cast<Eigen::Index>(i)));
-    cell.content_features.emplace_back(verdicts.content_features.row(static_cast<Eigen::Index>(i)));
+  cell.features.resize(by_judge.size());
+  for (std::size_t judge = 0; judge < by_judge.size(); ++judge) {
+    const Verdicts& verdicts = by_judge[judge];
+    Features& features = cell.features[judge];
+    for (std::size_t i = 0; i < verdicts.starts.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      cell.taken_for[verdicts.style[i]] += 1.0 / static_cast<double>(by_judge.size());
+      features.embeddings.emplace_back(verdicts.embedding.row(row));
+      features.content_features.emplace_back(verdicts.content_features.row(row));
+    }
   }
-  if (style != nullptr) style->windows += static_cast<double>(verdicts.starts.size());
-  if (content != nullptr) content->windows += static_cast<double>(verdicts.starts.size());
   for (const erd::Features& frame : sequence.frames) {
     cell.position_sum += Eigen::Map<const Eigen::VectorXf>(frame.data() + erd::kPositionBegin,
                                                            erd::kPositionFeatures)
@@ -197,7 +284,7 @@ Figures Evaluator::Measure(const std::string& name, std::span<const Transferred>
     double contents = 0;
     for (int content = 0; content < contents_; ++content) {
       const int place = cell_of(style, content);
-      const auto windows = static_cast<double>(out[place].embeddings.size());
+      const auto windows = static_cast<double>(out[place].windows());
       if (windows > 0 && known_[place]) {
         contents += 1;
         for (const auto& [other, count] : out[place].taken_for) {
@@ -259,9 +346,8 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
     jerk_out += styled.jerk.value();
     jerk_in += input.jerk.value();
     jerk_real += real.jerk.value();
-    counts[content] = static_cast<int>(
-        std::min({styled.embeddings.size(), real.embeddings.size(), input.embeddings.size(),
-                  other_real_[cell_of(style, content)].embeddings.size()}));
+    counts[content] = static_cast<int>(std::min({styled.windows(), real.windows(), input.windows(),
+                                                 other_real_[cell_of(style, content)].windows()}));
     figures.fmd_windows += counts[content];
   }
   if (jerk_in <= 0) return;  // no content has both styled and real clips
@@ -270,27 +356,35 @@ void Evaluator::MeasureStyle(int style, const Cells& out, const Cells& in,
   figures.jitter_stream = jerk_in > 0 ? jerk_out / jerk_in : kNotMeasured;
   figures.jitter_real = jerk_in > 0 ? jerk_real / jerk_in : kNotMeasured;
   if (figures.fmd_windows < 2 * kFmdDimensions) return;
+  for (std::size_t judge = 0; judge < pca_.size(); ++judge) {
+    figures.distances.push_back(MeasureDistances(style, out, in, counts, judge));
+  }
+}
+
+Distances Evaluator::MeasureDistances(int style, const Cells& out, const Cells& in,
+                                      std::span<const int> counts, std::size_t judge) const {
   const auto axes = [&](const Cells& cells) {
-    return pca_.Project(Pick(cells, style, counts, &Cell::embeddings));
+    return pca_[judge].Project(Pick(cells, style, counts, judge, &Features::embeddings));
+  };
+  const auto pooled = [&](const Cells& cells) {
+    return Pick(cells, style, counts, judge, &Features::content_features);
   };
   const Eigen::MatrixXd target = axes(real_);
-  figures.fmd = FrechetDistance(axes(out), target);
-  figures.fmd_real = FrechetDistance(axes(other_real_), target);
-  figures.fmd_neutral = FrechetDistance(axes(in), target);
-  const auto pooled = [&](const Cells& cells) {
-    return Pick(cells, style, counts, &Cell::content_features);
-  };
   const Eigen::MatrixXd pooled_target = pooled(real_);
-  figures.content_fmd = FrechetDistance(pooled(out), pooled_target);
-  figures.content_fmd_real = FrechetDistance(pooled(other_real_), pooled_target);
-  figures.content_fmd_neutral = FrechetDistance(pooled(in), pooled_target);
+  return {.fmd = FrechetDistance(axes(out), target),
+          .fmd_real = FrechetDistance(axes(other_real_), target),
+          .fmd_neutral = FrechetDistance(axes(in), target),
+          .content_fmd = FrechetDistance(pooled(out), pooled_target),
+          .content_fmd_real = FrechetDistance(pooled(other_real_), pooled_target),
+          .content_fmd_neutral = FrechetDistance(pooled(in), pooled_target)};
 }
 
 Eigen::MatrixXd Evaluator::Pick(const Cells& cells, int style, std::span<const int> counts,
-                                std::vector<Eigen::RowVectorXd> Cell::*features) const {
-  std::vector<Eigen::RowVectorXd> rows;
+                                std::size_t judge, Rows Features::*features) const {
+  Rows rows;
   for (int content = 0; content < contents_; ++content) {
-    const std::vector<Eigen::RowVectorXd>& from = cells[cell_of(style, content)].*features;
+    if (counts[content] == 0) continue;
+    const Rows& from = cells[cell_of(style, content)].features[judge].*features;
     for (int i = 0; i < counts[content]; ++i) {
       rows.push_back(from[from.size() * static_cast<std::size_t>(i) / counts[content]]);
     }
@@ -332,12 +426,6 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
         {"expression_walk_cosine", Value(of.expression_walk.cosine)},
         {"expression_of_training_clips", Value(of.expression_real.fraction)},
         {"expression_cosine_of_training_clips", Value(of.expression_real.cosine)},
-        {"fmd", Value(of.fmd)},
-        {"fmd_real_real", Value(of.fmd_real)},
-        {"fmd_neutral_target", Value(of.fmd_neutral)},
-        {"content_fmd", Value(of.content_fmd)},
-        {"content_fmd_real_real", Value(of.content_fmd_real)},
-        {"content_fmd_neutral_target", Value(of.content_fmd_neutral)},
         {"fmd_windows", of.fmd_windows},
         {"jitter_120", Value(of.jitter_stream)},
         {"jitter_30", Value(of.jitter_clip)},
@@ -346,6 +434,11 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
         {"skate_out_cm_s", Value(Measured(of.feet.skate_out_cm_s))},
         {"penetration_cm", Value(Measured(of.feet.penetration_cm))},
         {"deepest_cm", Value(Deepest_cm(of.feet))}};
+    for (const DistanceColumn& column : kDistances) {
+      nlohmann::json& here = json["styles"][manifest_.styles[style].name];
+      here[column.key] = Value(of.Distance(column.of));
+      here[std::string(column.key) + "_spread"] = Value(of.DistanceSpread(column.of));
+    }
     nlohmann::json& by_content = json["styles"][manifest_.styles[style].name]["by_content"];
     nlohmann::json& taken_for = json["styles"][manifest_.styles[style].name]["taken_for"];
     for (int other = 0; other < styles_; ++other) {
@@ -373,21 +466,8 @@ nlohmann::json Evaluator::RealToJson() const {
   return json;
 }
 
-void Evaluator::Print(const Figures& figures) const {
-  std::printf("\n%s\n", figures.name.c_str());
-  std::printf(
-      "%-10s %-17s %-5s %-17s %-5s  %-11s %-11s %-11s  %6s %5s %6s  %5s %5s %5s  %5s %5s %5s  "
-      "%-12s %-9s\n",
-      "style", "SRA [95 %]", "real", "CRA [95 %]", "in", " expr   cos", " walk   cos",
-      " real   cos", "FMD", "real", "neutr", "FMD-c", "real", "neutr", "jit120", "jit30", "real",
-      " skate cm/s", "floor cm");
+StyleFigures Evaluator::MeanOf(const Figures& figures) const {
   StyleFigures mean;
-  const auto row = [](const char* name, const StyleFigures& of) {
-    std::printf("%-10.10s %s %s %s %s  %s %s\n", name, Interval(of.sra).c_str(),
-                Padded(Measured(of.sra_real), 5, 3).c_str(), Interval(of.cra).c_str(),
-                Padded(Measured(of.cra_input), 5, 3).c_str(), ShiftsAndDistances(of).c_str(),
-                JerkAndFeet(of).c_str());
-  };
   // The mean of a figure over the styles that have it.
   const auto average = [&](const auto& figure) {
     Mean of_styles;
@@ -397,36 +477,46 @@ void Evaluator::Print(const Figures& figures) const {
     }
     figure(mean) = Measured(of_styles);
   };
-  const auto average_both = [&](Expression StyleFigures::*expression) {
-    average([=](StyleFigures& of) -> double& { return (of.*expression).fraction; });
-    average([=](StyleFigures& of) -> double& { return (of.*expression).cosine; });
-  };
   for (Expression StyleFigures::*expression :
        {&StyleFigures::expression, &StyleFigures::expression_walk,
         &StyleFigures::expression_real}) {
-    average_both(expression);
+    average([=](StyleFigures& of) -> double& { return (of.*expression).fraction; });
+    average([=](StyleFigures& of) -> double& { return (of.*expression).cosine; });
   }
   for (double StyleFigures::*figure :
-       {&StyleFigures::fmd, &StyleFigures::fmd_real, &StyleFigures::fmd_neutral,
-        &StyleFigures::content_fmd, &StyleFigures::content_fmd_real,
-        &StyleFigures::content_fmd_neutral, &StyleFigures::jitter_stream,
-        &StyleFigures::jitter_clip, &StyleFigures::jitter_real}) {
+       {&StyleFigures::jitter_stream, &StyleFigures::jitter_clip, &StyleFigures::jitter_real}) {
     average([=](StyleFigures& of) -> double& { return of.*figure; });
   }
-  Mean sra_real;
+  mean.distances = MeanDistances(figures.styles);
+  std::vector<ClipVerdict> real;  // of the styles that are judged
   for (int style = 1; style < styles_; ++style) {
     const StyleFigures& of = figures.styles[style];
-    row(manifest_.styles[style].name.c_str(), of);
     mean.feet.Add(of.feet);
-    if (of.sra_real.windows <= 0) continue;
-    sra_real.Add(of.sra_real.value);
-    mean.sra_real.windows += of.sra_real.windows;
+    if (of.sra.windows <= 0) continue;
+    const std::vector<ClipVerdict> of_style = Of(real_styles_, style, contents_);
+    real.insert(real.end(), of_style.begin(), of_style.end());
   }
-  mean.sra_real.value = sra_real.value();
+  mean.sra_real = MacroShare(real, kSeed, 0);
   mean.sra = figures.sra;
   mean.cra = figures.cra;
   mean.cra_input = figures.cra_input;
-  row("mean", mean);
+  return mean;
+}
+
+void Evaluator::Print(const Figures& figures, const Figures* offset) const {
+  std::printf("\n%s\n", figures.name.c_str());
+  PrintHeader(judges_.settings().count > 1);
+  const auto row = [](const char* name, const StyleFigures& of) {
+    std::printf("%-10.10s %s %s %s %s  %s %s\n", name, Interval(of.sra).c_str(),
+                Padded(of.sra_real, 5, 3).c_str(), Interval(of.cra).c_str(),
+                Padded(of.cra_input, 5, 3).c_str(), ShiftsAndDistances(of).c_str(),
+                JerkAndFeet(of).c_str());
+  };
+  for (int style = 1; style < styles_; ++style) {
+    row(manifest_.styles[style].name.c_str(), figures.styles[style]);
+  }
+  row("mean", MeanOf(figures));
+  if (offset != nullptr) row("offset", MeanOf(*offset));
   std::printf(
       "%.0f windows; first windows SRA %.3f; CRA over inputs %.3f; worst SRA %.2f (%s), worst CRA "
       "%.2f (%s)\n",

@@ -25,6 +25,15 @@ struct Transferred {
 
 inline constexpr Expression kNoExpression{kNotMeasured, kNotMeasured};
 
+// Frechet distances of one style by one judge's features. `real`: training clips of the target
+// against real target clips.
+struct Distances {
+  double fmd = kNotMeasured, fmd_real = kNotMeasured, fmd_neutral = kNotMeasured;
+  // The same by the content judge's features, as Park et al. 2021 measure it.
+  double content_fmd = kNotMeasured, content_fmd_real = kNotMeasured;
+  double content_fmd_neutral = kNotMeasured;
+};
+
 // Every figure for one target style, averaged over contents with equal weights. NaN where it was
 // not measured (text.h).
 struct StyleFigures {
@@ -37,16 +46,16 @@ struct StyleFigures {
   // the shift of the training clips from neutral to target: the reachable value
   Expression expression_real = kNoExpression;
   std::vector<Expression> expression_by_content;
-  // fmd_real: training clips of the target against real target clips
-  double fmd = kNotMeasured, fmd_real = kNotMeasured, fmd_neutral = kNotMeasured;
-  // The same by the content judge's features, as Park et al. 2021 measure it.
-  double content_fmd = kNotMeasured, content_fmd_real = kNotMeasured;
-  double content_fmd_neutral = kNotMeasured;
-  double fmd_windows = 0;  // windows on either side
+  std::vector<Distances> distances;  // by judge
+  double fmd_windows = 0;            // windows on either side
   // jerk of the output over the input's, at 120 and at 30 Hz
   double jitter_stream = kNotMeasured, jitter_clip = kNotMeasured;
   double jitter_real = kNotMeasured;  // jerk of real target clips over the input's, at 120 Hz
   FeetFigures feet;
+
+  // Over judges: the mean, and the spread where there are several.
+  double Distance(double Distances::*of) const;
+  double DistanceSpread(double Distances::*of) const;
 };
 
 struct Figures {
@@ -75,19 +84,26 @@ class Evaluator {
 
   std::string CellName(int cell) const;
   nlohmann::json ToJson(const Figures& figures) const;
-  void Print(const Figures& figures) const;
+  // `offset`: the constant offset's figures on the same inputs, of which the means stand below.
+  void Print(const Figures& figures, const Figures* offset = nullptr) const;
   nlohmann::json RealToJson() const;
 
  private:
+  using Rows = std::vector<Eigen::RowVectorXd>;
+  // What one judge computes of each window.
+  struct Features {
+    Rows embeddings, content_features;
+  };
   // The sums over one (style, content) cell of real or transferred clips.
   struct Cell {
     Eigen::VectorXd position_sum = Eigen::VectorXd::Zero(erd::kPositionFeatures);
     double frames = 0;
-    std::vector<Eigen::RowVectorXd> embeddings, content_features;  // of each window
-    std::map<int, double> taken_for;  // windows by the style judge's answer
+    std::vector<Features> features;   // by judge
+    std::map<int, double> taken_for;  // windows by the style judges' answer, mean over judges
     Mean jerk;
 
     Eigen::VectorXd MeanPose() const { return position_sum / std::max(1.0, frames); }
+    std::size_t windows() const { return features.empty() ? 0 : features[0].embeddings.size(); }
   };
   using Cells = std::vector<Cell>;  // style * contents + content
 
@@ -95,15 +111,18 @@ class Evaluator {
   // `first`: also the verdict on the first window alone.
   void Gather(const Sequence& sequence, int stride, Cell& cell, ClipVerdict* style,
               ClipVerdict* content, ClipVerdict* first = nullptr) const;
+  StyleFigures MeanOf(const Figures& figures) const;  // over styles
   void MeasureStyle(int style, const Cells& out, const Cells& in, StyleFigures& figures) const;
+  Distances MeasureDistances(int style, const Cells& out, const Cells& in,
+                             std::span<const int> counts, std::size_t judge) const;
   // Equal numbers of windows of each content, as rows.
   Eigen::MatrixXd Pick(const Cells& cells, int style, std::span<const int> counts,
-                       std::vector<Eigen::RowVectorXd> Cell::*features) const;
+                       std::size_t judge, Rows Features::*features) const;
 
   const clip::Manifest& manifest_;
   const Judges& judges_;
   int styles_, contents_;
-  Pca pca_;
+  std::vector<Pca> pca_;  // by judge
   Cells real_, other_real_;
   std::vector<bool> known_;  // by cell: the judge was trained on a window of it
   std::vector<ClipVerdict> real_styles_, real_contents_;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "model/train/judge/metrics.h"
+#include "model/train/judge/text.h"
 
 namespace styled::judge {
 namespace {
@@ -27,49 +28,75 @@ double SeenAfter_s(std::span<const int> verdicts, int window, int style, double 
 // Accumulates the data of one Seen.
 class Watch {
  public:
-  Watch(const Judges& judges, int window) : judges_(judges), window_(window) {}
+  Watch(const Judges& judges, int window)
+      : judges_(judges),
+        window_(window),
+        seen_(static_cast<std::size_t>(judges.settings().count)),
+        cut_(seen_.size()) {}
 
   // Evaluates a stream: switch i of `plan` is at i * every_s and goes to plan[i], a style of the
   // judges.
   void Look(const Sequence& live, const Sequence& cut, std::span<const int> plan, double every_s) {
-    const std::vector<int> of_live = judges_.JudgeStyle(live, window_);
-    const std::vector<int> of_cut = judges_.JudgeStyle(cut, window_);
+    const std::vector<std::vector<int>> of_live = judges_.JudgeStyle(live, window_);
+    const std::vector<std::vector<int>> of_cut = judges_.JudgeStyle(cut, window_);
     for (std::size_t i = 1; i < plan.size(); ++i) {
       const double at_s = every_s * static_cast<double>(i);
-      const double live_s = SeenAfter_s(of_live, window_, plan[i], at_s, at_s + every_s);
-      const double cut_s = SeenAfter_s(of_cut, window_, plan[i], at_s, at_s + every_s);
-      if (live_s >= 0) seen_.push_back(live_s);
-      if (cut_s >= 0) cut_.push_back(cut_s);
+      for (std::size_t judge = 0; judge < seen_.size(); ++judge) {
+        const double live_s = SeenAfter_s(of_live[judge], window_, plan[i], at_s, at_s + every_s);
+        const double cut_s = SeenAfter_s(of_cut[judge], window_, plan[i], at_s, at_s + every_s);
+        if (live_s >= 0) seen_[judge].push_back(live_s);
+        if (cut_s >= 0) cut_[judge].push_back(cut_s);
+      }
       ++switches_;
     }
   }
 
   Seen Result(std::span<const train::TrainingClip> real) const {
-    double right = 0;
-    double windows = 0;
-    for (const train::TrainingClip& clip : real) {
-      const Sequence sequence =
-          MakeSequence(clip.poses, clip.style, clip.content, false, judges_.parameters());
-      for (const int style : judges_.JudgeStyle(sequence, window_)) {
-        right += style == clip.style ? 1 : 0;
-        windows += 1;
-      }
-    }
-    const double missed = switches_ - static_cast<double>(seen_.size());
-    return {.window = window_,
-            .right_on_real = right / std::max(1.0, windows),
-            .median_s = Quantile(seen_, 0.5),
-            .p90_s = Quantile(seen_, 0.9),
-            .cut_median_s = Quantile(cut_, 0.5),
-            .cut_p90_s = Quantile(cut_, 0.9),
-            .never = missed / std::max(1, switches_)};
+    Seen seen{.window = window_};
+    seen.right_on_real = RightOn(real);
+    const auto of_judges = [](const auto& figure, const auto& times) {
+      std::vector<double> values;
+      for (const std::vector<double>& of_judge : times) values.push_back(figure(of_judge));
+      Mean mean;
+      mean.AddJudged(values, 1);
+      return mean;
+    };
+    const auto quantile = [&](double share, const auto& times) {
+      return of_judges([=](const auto& of_judge) { return Quantile(of_judge, share); }, times);
+    };
+    seen.median_s = quantile(0.5, seen_);
+    seen.p90_s = quantile(0.9, seen_);
+    seen.cut_median_s = quantile(0.5, cut_);
+    seen.cut_p90_s = quantile(0.9, cut_);
+    seen.never = of_judges(
+        [this](const auto& of_judge) {
+          return (switches_ - static_cast<double>(of_judge.size())) / std::max(1, switches_);
+        },
+        seen_);
+    return seen;
   }
 
  private:
+  Mean RightOn(std::span<const train::TrainingClip> real) const {
+    Mean right;
+    for (const train::TrainingClip& clip : real) {
+      const Sequence sequence =
+          MakeSequence(clip.poses, clip.style, clip.content, false, judges_.parameters());
+      std::vector<double> hits;
+      std::size_t windows = 0;
+      for (const std::vector<int>& styles : judges_.JudgeStyle(sequence, window_)) {
+        hits.push_back(static_cast<double>(std::count(styles.begin(), styles.end(), clip.style)));
+        windows = styles.size();
+      }
+      right.AddJudged(hits, static_cast<double>(windows));
+    }
+    return right;
+  }
+
   const Judges& judges_;
   int window_;
   int switches_ = 0;
-  std::vector<double> seen_, cut_;
+  std::vector<std::vector<double>> seen_, cut_;  // by judge
 };
 
 }  // namespace
@@ -152,12 +179,15 @@ Response MeasureResponse(const Judges& judges, std::span<const train::TrainingCl
 
 void Print(const Response& response) {
   std::printf("\nswitching (%d switches)\n", response.switches);
+  const auto text = [](const Mean& mean, int decimals) { return Padded(mean, 0, decimals); };
   for (const Seen& seen : {response.soon, response.sure}) {
     std::printf(
-        "  windows of %.2f s (of real clips %.3f are judged rightly): the new style is seen after "
-        "%.2f s (median), %.2f s (p90); an instant cut after %.2f and %.2f s; never %.1f %%\n",
-        seen.window / kJudgeRate_hz, seen.right_on_real, seen.median_s, seen.p90_s,
-        seen.cut_median_s, seen.cut_p90_s, 100 * seen.never);
+        "  windows of %.2f s (of real clips %s are judged rightly): the new style is seen after "
+        "%s s (median), %s s (p90); an instant cut after %s and %s s; never %s of switches\n",
+        seen.window / kJudgeRate_hz, text(seen.right_on_real, 3).c_str(),
+        text(seen.median_s, 2).c_str(), text(seen.p90_s, 2).c_str(),
+        text(seen.cut_median_s, 2).c_str(), text(seen.cut_p90_s, 2).c_str(),
+        text(seen.never, 3).c_str());
   }
   std::printf(
       "  largest joint acceleration in the second after a switch, over the input's p99.9: %.2f "
@@ -170,13 +200,17 @@ void Print(const Response& response) {
 namespace {
 
 nlohmann::json ToJson(const Seen& seen) {
-  return {{"window_s", seen.window / kJudgeRate_hz},
-          {"right_on_real", seen.right_on_real},
-          {"median_s", seen.median_s},
-          {"p90_s", seen.p90_s},
-          {"instant_cut_median_s", seen.cut_median_s},
-          {"instant_cut_p90_s", seen.cut_p90_s},
-          {"never", seen.never}};
+  nlohmann::json json = {{"window_s", seen.window / kJudgeRate_hz}};
+  for (const auto& [key, mean] : {std::pair{"right_on_real", &seen.right_on_real},
+                                  {"median_s", &seen.median_s},
+                                  {"p90_s", &seen.p90_s},
+                                  {"instant_cut_median_s", &seen.cut_median_s},
+                                  {"instant_cut_p90_s", &seen.cut_p90_s},
+                                  {"never", &seen.never}}) {
+    json[key] = Value(Measured(*mean));
+    json[std::string(key) + "_spread"] = Value(mean->spread());
+  }
+  return json;
 }
 
 }  // namespace

@@ -4,19 +4,21 @@
 #include <span>
 #include <vector>
 
+#include "model/train/judge/metrics.h"
 #include "model/train/judge/nets.h"
 #include "model/train/judge/stream.h"
 
 namespace styled::judge {
 
-// The time until the style judge recognizes a new style from the last `window` frames.
+// The time until a style judge recognizes a new style from the last `window` frames; each figure
+// is a mean over judges, of one value each.
 struct Seen {
-  int window = 0;            // frames at kJudgeRate_hz
-  double right_on_real = 0;  // share of such windows of real clips that it judges correctly
+  int window = 0;      // frames at kJudgeRate_hz
+  Mean right_on_real;  // share of such windows of real clips that it judges correctly
   // from the command until such a window is judged as the new style
-  double median_s = 0, p90_s = 0;
-  double cut_median_s = 0, cut_p90_s = 0;  // the same for an instant cut: the judge's own delay
-  double never = 0;  // share of switches that are not recognized before the next one
+  Mean median_s, p90_s;
+  Mean cut_median_s, cut_p90_s;  // the same for an instant cut: the judge's own delay
+  Mean never;                    // share of switches that are not recognized before the next one
 };
 
 // A judge with windows of one second cannot recognize anything sooner than half a second. So

@@ -29,6 +29,19 @@ inline std::string Padded(double value, int width, int decimals) {
   return text;
 }
 
+// The same, followed by the spread over judges where there are several.
+inline std::string Padded(double value, double spread, int width, int decimals) {
+  char text[64] = "";
+  if (std::isfinite(spread)) std::snprintf(text, sizeof text, " ±%.*f", decimals, spread);
+  return Padded(value, width, decimals) + text;
+}
+inline std::string Padded(const Mean& mean, int width, int decimals) {
+  return Padded(Measured(mean), mean.spread(), width, decimals);
+}
+inline std::string Padded(const Share& share, int width, int decimals) {
+  return Padded(Measured(share), share.spread(), width, decimals);
+}
+
 inline nlohmann::json Value(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }

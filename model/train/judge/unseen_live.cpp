@@ -24,14 +24,14 @@ Stance StanceOf(const Poses& poses) {
   return {mean, (local.colwise() - mean).array().square().rowwise().mean().sqrt().matrix()};
 }
 
-double Recognized(const Judges* judges, const Poses& poses, int style) {
-  if (judges == nullptr) return 0;
-  const Verdicts verdicts =
+Mean Recognized(const Judges* judges, const Poses& poses, int style) {
+  Mean share;
+  if (judges == nullptr) return share;
+  const std::vector<Verdicts> by_judge =
       judges->Judge(MakeSequence(poses, style, 0, false, judges->parameters()), kLiveStride);
-  const auto hits = std::count(verdicts.style.begin(), verdicts.style.end(), style);
-  return verdicts.style.empty()
-             ? 0
-             : static_cast<double>(hits) / static_cast<double>(verdicts.style.size());
+  share.AddJudged(Hits(by_judge, &Verdicts::style, style),
+                  static_cast<double>(by_judge.front().starts.size()));
+  return share;
 }
 
 }  // namespace
@@ -60,6 +60,7 @@ LiveUnseenFigures MeasureLiveUnseen(const ByCode& network, const net::StyleCode&
   if (jerk > 0) figures.jerk = MeanJerk(styled, kJudgeRate_hz).value() / jerk;
   figures.recognized = Recognized(judges, styled, style);
   figures.offset_recognized = Recognized(judges, by_offset, style);
+  figures.real_recognized = Recognized(judges, WithoutBeginning(example), style);
   return figures;
 }
 

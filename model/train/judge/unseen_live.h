@@ -13,9 +13,10 @@ struct LiveUnseenFigures {
   // The distance of the joints' movement about the mean pose (the deviation of each over time) from
   // the example's, divided by the distance of the unstyled clip's: 0 like the example, 1 unchanged.
   double movement = 0, offset_movement = 0;
-  double jerk = 0;                               // over the input's
-  double recognized = 0, offset_recognized = 0;  // share of windows recognized as `style`, by
-                                                 // judges
+  double jerk = 0;  // over the input's
+  // Share of windows recognized as `style`; without a count where there are no judges, or where the
+  // clip is shorter than their window. Real: the example itself.
+  Mean recognized, offset_recognized, real_recognized;
 };
 inline constexpr std::size_t kSettling = 30;
 

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
+#include "model/base/write_file.h"
+#include "model/net/safetensors.h"
 #include "model/train/judge/clip_restyler.h"
 #include "model/train/judge/data.h"
+#include "model/train/judge/sha256.h"
 
 namespace styled::judge {
 namespace {
@@ -45,6 +49,23 @@ Result<Validator> Validator::Make(const std::filesystem::path& manifest,
   return Validator(std::make_unique<Impl>(std::move(data.value()), std::move(judges.value())));
 }
 
+Status Validator::Claim(const std::filesystem::path& run, bool resumed) const {
+  const std::vector<net::NamedTensor> tensors = impl_->judges.Tensors();
+  const std::string hash = Sha256(net::SerializeSafetensors(tensors, {}));
+  const std::filesystem::path file = run / "judges.sha256";
+  std::string before;
+  std::ifstream(file) >> before;
+  if (resumed && !before.empty() && before != hash) {
+    return Status::Error(file.string() + ": the run's validation.csv is of judges of SHA-256 " +
+                         Shown(before) + ", expected " + Shown(hash) +
+                         ", those of this session: resume with the folder of judges that the run "
+                         "began with, or without --validate");
+  }
+  std::error_code error;
+  std::filesystem::create_directories(run, error);
+  return WriteFileAtomically(file.string(), hash + "\n", 0644);
+}
+
 Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
     const std::filesystem::path& weights) const {
   const Data& data = impl_->data;
@@ -68,7 +89,8 @@ Result<std::vector<std::pair<std::string, double>>> Validator::Measure(
     cra.Add(of.cra.value / std::max(1e-6, of.cra_input.value));
     expression.Add(of.expression.fraction);
     cosine.Add(of.expression.cosine);
-    if (of.fmd_neutral > 0) fmd.Add(of.fmd / of.fmd_neutral);
+    const double neutral = of.Distance(&Distances::fmd_neutral);
+    if (neutral > 0) fmd.Add(of.Distance(&Distances::fmd) / neutral);
     jitter.Add(of.jitter_stream);
   }
   const double score = sra.value() + cra.value() + cosine.value() - fmd.value() -

@@ -21,6 +21,9 @@ class Validator {
                                 const std::filesystem::path& folder,
                                 const std::filesystem::path& cache,
                                 const JudgeSettings& settings = {});
+  // Writes the judges' SHA-256 into `run`, the folder of a run. A run that is resumed must have the
+  // same: its curve has one figure after the other, and its best weights the best of them.
+  Status Claim(const std::filesystem::path& run, bool resumed) const;
   ~Validator();
   Validator(Validator&&) noexcept;
 

@@ -37,7 +37,8 @@ TEST_F(ComparisonTest, AnUnjudgedValueIsADashAndNull) {
   testing::internal::CaptureStdout();
   Print(manifest, sets);
   const std::string text = testing::internal::GetCapturedStdout();
-  EXPECT_THAT(text, testing::ContainsRegex("movement +1\\.00 +0\\.00 +30\n"));
+  EXPECT_THAT(text, testing::ContainsRegex(
+                        "movement +1\\.00 .0\\.00 0\\.00. +0\\.00 .0\\.00 0\\.00. +30\n"));
   EXPECT_THAT(text, testing::ContainsRegex("movement +0\\.00 +0\\.00 +-\n"));  // walk, wave
 
   const nlohmann::json judges = ToJson(manifest, sets)[1]["judges"];
@@ -47,6 +48,18 @@ TEST_F(ComparisonTest, AnUnjudgedValueIsADashAndNull) {
     EXPECT_EQ(judge["contents"]["walk"], 0.0);
     EXPECT_TRUE(judge["contents"]["wave"].is_null());
   }
+}
+
+TEST_F(ComparisonTest, TheSpreadOverJudgesStandsBesideTheIntervalOverClips) {
+  Compared set = Set("real", 0.7, 40);
+  set.style.all = {.value = 0.7, .low = 0.6, .high = 0.8, .windows = 40, .by_judge = {0.6, 0.8}};
+  testing::internal::CaptureStdout();
+  Print(manifest, std::array{set});
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("0.70 ±0.14 [0.60 0.80]  40\n"));
+  const nlohmann::json judge = ToJson(manifest, std::array{set})[0]["judges"][0];
+  EXPECT_NEAR(judge["spread"].get<double>(), 0.1414, 1e-4);
+  EXPECT_EQ(judge["low"], 0.6);
+  EXPECT_TRUE(ToJson(manifest, std::array{set})[0]["judges"][1]["spread"].is_null());
 }
 
 TEST_F(ComparisonTest, AJudgeThatIsWeakOnRealClipsIsNamed) {

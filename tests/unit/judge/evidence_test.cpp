@@ -15,6 +15,8 @@
 namespace styled::judge {
 namespace {
 
+const JudgedBy kBy{.manifest = "set", .judges = "0123456789abcdef0123"};
+
 class WeightsOnDisk : public testing::Test {
  protected:
   WeightsOnDisk() {
@@ -39,7 +41,7 @@ TEST_F(WeightsOnDisk, GetEvidenceAndSpeedsAndKeepAllElse) {
   const net::Styles before = Read();
   const std::string name = before[1].name;
   const std::vector<Evidence> evidence{{name, 61.52, 0.98765}, {"nobody", 5, 0.5}};
-  ASSERT_TRUE(WriteEvidence(evidence, file_).ok());
+  ASSERT_TRUE(WriteEvidence(evidence, kBy, file_).ok());
   const std::vector<StyleSpeeds> speeds{{name, 1.25, 0, 118.4, 0}};
   ASSERT_TRUE(WriteSpeeds(speeds, file_).ok());
   const net::Styles after = Read();
@@ -67,24 +69,40 @@ TEST_F(WeightsOnDisk, ACadenceThatNoBodyHasIsRefusedAndNothingIsWritten) {
 // A figure of 0 means that the style was not measured.
 TEST_F(WeightsOnDisk, AStyleThatIsNeverRecognizedIsWeakAndNotUnknown) {
   const std::string name = Read()[1].name;
-  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{name, 3, 0}}, file_).ok());
+  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{name, 3, 0}}, kBy, file_).ok());
   EXPECT_TRUE(net::IsWeak(Read()[1]));
-  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{name, 3, -1}}, file_).ok());
+  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{name, 3, -1}}, kBy, file_).ok());
   EXPECT_TRUE(net::IsWeak(Read()[1])) << "a run that did not measure it takes nothing away";
 }
 
 TEST_F(WeightsOnDisk, AreOfTheManifestsStylesByNameOrAlias) {
   std::string shouted = Read()[1].name;
   for (char& letter : shouted) letter = static_cast<char>(std::toupper(letter));
-  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{shouted, 3, 0.9}}, file_).ok());
+  ASSERT_TRUE(WriteEvidence(std::vector<Evidence>{{shouted, 3, 0.9}}, kBy, file_).ok());
   EXPECT_FLOAT_EQ(Read()[1].recognized, 0.9F);
-  EXPECT_THAT(WriteEvidence(std::vector<Evidence>{{"nobody", 3, 1}}, file_).message(),
+  EXPECT_THAT(WriteEvidence(std::vector<Evidence>{{"nobody", 3, 1}}, kBy, file_).message(),
               testing::HasSubstr("evidence.safetensors: has none of the manifest's styles"));
+}
+
+TEST_F(WeightsOnDisk, FiguresOfOtherJudgesDoNotStandSideBySide) {
+  const net::Styles styles = Read();
+  const std::vector<Evidence> first{{styles[1].name, 3, 0.9}};
+  const std::vector<Evidence> second{{styles[2].name, 3, 0.8}};
+  ASSERT_TRUE(WriteEvidence(first, kBy, file_).ok());
+  const JudgedBy other{.manifest = kBy.manifest, .judges = "fedcba98765432100123"};
+  const Status refused = WriteEvidence(second, other, file_);
+  EXPECT_THAT(refused.message(),
+              testing::HasSubstr("style '" + styles[1].name +
+                                 "' was judged on set by judges of SHA-256 0123456789abcdef, "
+                                 "expected fedcba9876543210"));
+  EXPECT_EQ(Read()[2].recognized, 0) << "nothing is written";
+  EXPECT_TRUE(WriteEvidence(second, {"another set", other.judges}, file_).ok());
+  EXPECT_TRUE(WriteEvidence(first, other, file_).ok()) << "in place of the old figure";
 }
 
 TEST_F(WeightsOnDisk, AFileThatIsNoneIsLeftAlone) {
   std::ofstream(file_) << "no weights";
-  const Status status = WriteEvidence(std::vector<Evidence>{{"a", 3, 1}}, file_);
+  const Status status = WriteEvidence(std::vector<Evidence>{{"a", 3, 1}}, kBy, file_);
   EXPECT_THAT(status.message(), testing::HasSubstr("evidence.safetensors"));
   std::stringstream text;
   text << std::ifstream(file_).rdbuf();

@@ -266,6 +266,45 @@ TEST(MacroShare, OfNothingIsZeroWithoutAWorstCell) {
   EXPECT_EQ(share.worst_cell, -1);
 }
 
+TEST(MacroShare, IsTheMeanOverJudgesAndKnowsTheirSpread) {
+  ClipVerdict agreed{.cell = 0, .clip = 0};
+  agreed.Add(std::vector<double>{4, 4}, 4);
+  ClipVerdict disputed{.cell = 1, .clip = 1};
+  disputed.Add(std::vector<double>{8, 0}, 10);
+  const ClipVerdict unjudged{.cell = 2, .clip = 2};  // shorter than a window
+  const std::vector<ClipVerdict> verdicts{unjudged, agreed, disputed};
+  const Share share = MacroShare(verdicts, 1);
+  EXPECT_NEAR(share.value, 0.7, 1e-12);
+  ASSERT_EQ(share.by_judge.size(), 2U);
+  EXPECT_NEAR(share.by_judge[0], 0.9, 1e-12);
+  EXPECT_NEAR(share.by_judge[1], 0.5, 1e-12);
+  EXPECT_NEAR(share.spread(), 0.4 / std::sqrt(2), 1e-12);
+  EXPECT_LE(share.low, 0.4) << "the interval is of the mean over judges, over clips";
+  EXPECT_GE(share.high, 1);
+}
+
+TEST(MacroShare, OfOneJudgeHasNoSpread) {
+  ClipVerdict verdict{.cell = 0, .clip = 0};
+  verdict.Add(std::vector<double>{3}, 4);
+  EXPECT_TRUE(std::isnan(MacroShare(std::vector{verdict}, 1).spread()));
+  EXPECT_TRUE(std::isnan(Spread({})));
+}
+
+TEST(Mean, AddsWhatEachJudgeSays) {
+  Mean mean;
+  mean.AddJudged(std::vector<double>{1, 3}, 4);
+  Mean more;
+  more.AddJudged(std::vector<double>{3, 5}, 4);
+  mean.Add(more);
+  EXPECT_NEAR(mean.value(), 0.75, 1e-12);
+  EXPECT_NEAR(mean.spread(), 0.5 / std::sqrt(2), 1e-12);
+  EXPECT_EQ(mean.once().count, 1);
+  EXPECT_NEAR(mean.once().value(), mean.value(), 1e-12);
+  EXPECT_NEAR(mean.once().spread(), mean.spread(), 1e-12);
+  EXPECT_EQ(Mean().once().count, 0);
+  EXPECT_TRUE(std::isnan(Mean().spread()));
+}
+
 TEST(Quantile, InterpolatesAndBearsAnEmptySet) {
   EXPECT_NEAR(Quantile({4, 1, 2, 3}, 0.5), 2.5, 1e-12);
   EXPECT_NEAR(Quantile({4, 1, 2, 3}, 1.0), 4, 1e-12);

@@ -59,8 +59,8 @@ TEST_F(PartJudgesTest, APartsJudgeSeesItsPartAlone) {
   const auto judges = Train();
   ASSERT_TRUE(judges.ok()) << judges.status().message();
   for (const float phase : {0.5F, 2.5F}) {
-    const auto calm = judges.value().Judge(Clip(0, phase).poses, 8);
-    const auto wild = judges.value().Judge(Clip(1, phase).poses, 8);
+    const auto calm = judges.value().Judge(Clip(0, phase).poses, 8).front();
+    const auto wild = judges.value().Judge(Clip(1, phase).poses, 8).front();
     for (const char* arms : {"arms_pose", "arms_movement", "movement"}) {
       const std::size_t view = View(arms);
       ASSERT_FALSE(calm[view].empty());
@@ -81,9 +81,9 @@ TEST_F(PartJudgesTest, AJudgeOfMovementDoesNotSeeWhereTheHipsAre) {
   const auto judges = Train();
   ASSERT_TRUE(judges.ok()) << judges.status().message();
   train::TrainingClip high = Clip(1, 0.7F);
-  const auto before = judges.value().Judge(high.poses, 4);
+  const auto before = judges.value().Judge(high.poses, 4).front();
   for (body::Pose& pose : high.poses) pose.hips_position_m.y() += 0.5F;
-  const auto after = judges.value().Judge(high.poses, 4);
+  const auto after = judges.value().Judge(high.poses, 4).front();
   EXPECT_EQ(before[View("movement")], after[View("movement")]);
 }
 
@@ -101,7 +101,8 @@ TEST_F(PartJudgesTest, AClipShorterThanAWindowIsNotJudged) {
   const auto judges = Train();
   ASSERT_TRUE(judges.ok());
   const auto poses = Clip(1, 0.2F).poses;
-  for (const auto& answers : judges.value().Judge(std::span(poses).first(32), 4)) {
+  const auto by_judge = judges.value().Judge(std::span(poses).first(32), 4);
+  for (const auto& answers : by_judge.front()) {
     EXPECT_TRUE(answers.empty());
   }
 }

@@ -53,7 +53,8 @@ const ofClips = {
     interpolation: {monotone: 1, pairs: 1, quarter: 0.25, half: 0.5, three_quarters: 0.75, largest_step: 1},
   },
   mixed_acts: {seconds: 33.3, acts: {wave: {
-    sra_mixed: 0.1234, sra_alone: 0.25, cra_mixed: 0.5, cra_alone: 0.5, cra_input: null, windows: 72}}},
+    sra_mixed: 0.1234, sra_mixed_spread: 0.051, sra_alone: 0.25, sra_offset: 0.2, cra_mixed: 0.5, cra_alone: 0.5,
+    cra_offset: 0.7, cra_input: null, windows: 72}}},
 };
 
 test('weights that run live', () => {
@@ -68,7 +69,7 @@ test('weights that need whole clips', () => {
   assert.match(text('live'), /by noise/);
   assert.match(text('tables'), /APD cm/);
   assert.match(text('tables'), /Mixed acts in one clip of 33 s/);
-  assert.match(text('tables'), /wave\s+0\.12\s+0\.25\s+0\.50\s+0\.50\s+-\s+72/);
+  assert.match(text('tables'), /wave\s+0\.12 ±0\.05\s+0\.25\s+0\.20\s+0\.50\s+0\.50\s+0\.70\s+-\s+72/);
   assert.match(text('glossary'), /the first term.*the last term/);
 });
 

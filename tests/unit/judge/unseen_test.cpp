@@ -143,7 +143,7 @@ TEST_F(UnseenTest, MovementIsMeasuredBesideTheMeanPoseAndWithoutTheBeginning) {
   EXPECT_NEAR(none.offset.fraction, 1, 0.1);
   // A lifted arm moves a little otherwise with the body, but it does not swing.
   EXPECT_GT(none.offset_movement, 0.5);
-  EXPECT_EQ(none.recognized, 0) << "without judges";
+  EXPECT_EQ(none.recognized.count, 0) << "without judges";
 }
 
 // Stores the requests for a code.

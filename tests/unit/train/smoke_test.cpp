@@ -124,6 +124,13 @@ TEST_F(Smoke, TrainingLearnsAMannerAndAnUntrainedNetworkHasNone) {
   settings.iterations = 250;
   auto judge = judge::Validator::Make(root_ / "manifest.toml", root_, root_ / "judges", settings);
   ASSERT_TRUE(judge.ok()) << judge.status().message();
+  EXPECT_TRUE(judge.value().Claim(root_ / "claimed", false).ok());
+  EXPECT_TRUE(judge.value().Claim(root_ / "claimed", true).ok());
+  std::ofstream(root_ / "claimed" / "judges.sha256") << "00ff\n";
+  EXPECT_NE(judge.value().Claim(root_ / "claimed", true).message().find("judges of SHA-256 00ff"),
+            std::string::npos)
+      << "a curve is of one set of judges";
+  EXPECT_TRUE(judge.value().Claim(root_ / "claimed", false).ok()) << "a new run";
   auto trained = Figures(judge.value(), "trained", 1200);
   EXPECT_GE(trained["sra"], 0.9);
   EXPECT_GE(trained["cra"], 0.9);
