@@ -98,18 +98,18 @@ class RecipesTest(unittest.TestCase):
         self.assertGreater(float(targets[2]), 0)
 
 
-def judged(fmd=10.0, accuracy=0.9, seed=1):
+def judged(fmd=10.0, accuracy=0.9, sha256='a', split='validation'):
     """The output of styleeval --json, as far as a table reads it; the second style has no measurements."""
     names = ('fmd', 'fmd_real_real', 'fmd_neutral_target', 'jitter_120')
     figures = {'styles': {
         'odd': {**{name: fmd for name in names}, **{'content_' + name: fmd / 2 for name in names}},
         'rare': {**{name: None for name in names}, **{'content_' + name: None for name in names}}}}
-    judges = [{'key': key, 'value': accuracy} for key in ('style', 'content', 'movement', 'legs_pose')]
-    judges.append({'key': 'legs_movement', 'value': None})
+    judges = [{'key': key, 'value': accuracy, 'spread': 0.04} for key in ('style', 'content', 'movement', 'legs_pose')]
+    judges.append({'key': 'legs_movement', 'value': None, 'spread': None})
     return {'styled': figures, 'noise': figures,
             'judges': [{'key': key, 'judges': judges} for key in ('styled', 'noise', 'real')],
             'codes': {'noise': {'distance_cm': 2.5}, 'examples': {'distance_cm': None}, 'real_cm': 3.0},
-            'provenance': {'manifest': 'm', 'judges': {'seed': seed}, 'data': {}, 'inputs': 2}}
+            'provenance': {'manifest': 'm', 'split': split, 'judges': {'sha256': sha256}, 'data': {}, 'inputs': 2}}
 
 
 class TableTest(unittest.TestCase):
@@ -128,17 +128,22 @@ class TableTest(unittest.TestCase):
         first, second = self.file('a', judged(10, 0.5)), self.file('b', judged(12, 0.7))
         done = run('table.py', f'by noise=noise@{first},{second}', f'examples=styled@{first}', f'real=real@{first}')
         self.assertEqual((0, ''), (done.returncode, done.stderr))
-        noise, examples, real = [line.strip('| ').split(' | ') for line in done.stdout.splitlines()[2:]]
+        lines = done.stdout.splitlines()
+        noise, examples, real = [line.strip('| ').split(' | ') for line in lines[2:5]]
         self.assertEqual(['by noise', '5.50 ± 0.71', '0.60 ± 0.14', '11.00 ± 1.41', '0.60 ± 0.14', '0.60 ± 0.14',
                           '0.60 ± 0.14', '-', '11.00 ± 1.41', '2.50 ± 0.00'], noise)
-        self.assertEqual(['examples', '5.00', '0.50', '10.00', '0.50', '0.50', '0.50', '-', '10.00', '-'], examples)
-        self.assertEqual(['real', '5.00', '0.50', '10.00', '0.50', '0.50', '0.50', '-', '-', '3.00'], real)
+        half = '0.50 ± 0.04'  # over judges
+        self.assertEqual(['examples', '5.00', half, '10.00', half, half, half, '-', '10.00', '-'], examples)
+        self.assertEqual(['real', '5.00', half, '10.00', half, half, half, '-', '-', '3.00'], real)
+        self.assertEqual(['', 'Judges of SHA-256 a, m, split validation'], lines[5:])
 
     def test_what_is_not_comparable_is_refused(self):
-        first, other = self.file('a', judged()), self.file('b', judged(seed=2))
+        first, other = self.file('a', judged()), self.file('b', judged(sha256='b'))
+        test = self.file('f', judged(split='test'))
         empty, bare = self.file('c', {}), self.file('d', {**judged(), 'noise': {}})
         listed = self.file('e', [])
-        for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges are not those of {first}'),
+        for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges: not as in {first}'),
+                                ([f'x=noise@{first},{test}'], f'{test}: split: not as in {first}'),
                                 ([f'x=noise@{empty}'], f"{empty}: has no key 'judges'"),
                                 ([f'x=noise@{bare}'], f"{bare}: has no key 'styles'"),
                                 ([f'x=noise@{listed}'], f'{listed}: expected what styleeval'),

@@ -4,6 +4,7 @@
 #   train NAME LENGTH [OPTIONS...]       a run of styletrain in the folder $runs/NAME, or its resumption
 #   add_style NAME LENGTH [OPTIONS...]   the same of styletrain add-style
 #   evaluate [OPTIONS...]                styleeval
+#   write_judges [OPTIONS...]            the same, which only trains judges
 #   baseline NAME [OPTIONS...]           stylebaseline in the folder $runs/NAME
 #   tabulate ROW...                      table.py
 #   train_st_gcn                         the graph network of set 2, in $runs/st-gcn
@@ -134,14 +135,18 @@ evaluate() {
         options+=("$option")
       fi
     done
-    set -- "${options[@]}" --judge-iterations 2 --long 0
+    set -- "${options[@]}" --judge-iterations 2 --judge-seeds 2 --long 0
   fi
+  recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "$@"
+}
+write_judges() {
+  [ "$smoke" = no ] || set -- "$@" --judge-iterations 2 --judge-seeds 2
   recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "$@"
 }
 baseline() {
   local run=$1
   shift
-  [ "$smoke" = no ] || set -- "$@" --iterations 2 --judge-iterations 2
+  [ "$smoke" = no ] || set -- "$@" --iterations 2 --judge-iterations 2 --judge-seeds 2
   recipe_run "$bin/stylebaseline" --data "$data" --cache "$runs/judges" --out "$runs/$run" "$@"
 }
 tabulate() { recipe_run "$root/model/train/recipes/table.py" "$@"; }

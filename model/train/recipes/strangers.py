@@ -6,6 +6,7 @@ A cell is a clip in one of the six styles of set 2. RESULTS.md names the clips t
 """
 import argparse
 import glob
+import hashlib
 import json
 import os
 import subprocess
@@ -58,6 +59,12 @@ def measure(options, weights, files, content, name):
     return row
 
 
+def named(weights):
+    """A file of weights by its name and the first digits of its SHA-256."""
+    with open(weights, 'rb') as file:
+        return f'{os.path.basename(weights)} (SHA-256 {hashlib.sha256(file.read()).hexdigest()[:16]})'
+
+
 def cell(rows, key, digits):
     values = ['-' if row.get(key) is None else f'{row[key]:.{digits}f}' for row in rows]
     if set(values) == {'-'}:
@@ -74,8 +81,9 @@ def main():
     options = parser.parse_args()
     others = [other.partition('=')[::2] for other in options.others]
     os.makedirs(options.out, exist_ok=True)
+    print('Of', named(options.weights))
     if others:
-        print('In brackets:', ', '.join(title for title, _ in others))
+        print('In brackets:', ', '.join(f'{title}, {named(file)}' for title, file in others))
     print('| clips | cells |', ' | '.join(title for title, _, _ in COLUMNS), '|')
     print('|---' * (len(COLUMNS) + 2) + '|')
     for title, patterns, content in ROWS:

@@ -9,6 +9,7 @@ it is in the first one. Then what it is while a stranger stands, waits and talks
 performer who stands: a wave's first frame, held, since set 2 has no clip of a performer who only stands. Means of six styles, and the
 least.
 """
+import hashlib
 import os
 import subprocess
 import sys
@@ -126,6 +127,8 @@ def main():
         sys.exit(__doc__)
     stylize, data, weights, folder = sys.argv[1:]
     turns = Turns(stylize, weights, folder)
+    with open(weights, 'rb') as file:
+        print(f'Of {os.path.basename(weights)} (SHA-256 {hashlib.sha256(file.read()).hexdigest()[:16]})')
     in_time(turns, data, folder)
     print()
     standing(turns, data, folder)

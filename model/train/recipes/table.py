@@ -4,8 +4,8 @@
     TITLE=KEY@FILE[,FILE...]
 
 KEY says which of a file's sets of clips: mean, noise, styled, real, neutral, offset, offset_per_content.
-Several files are runs with several seeds: their mean ± their deviation. Refuses files whose judges, data or
-inputs differ. "-": not measured.
+Several files are runs with several seeds: their mean ± their deviation; one file: its figure ± the spread over its
+judges. Refuses files whose judges (by SHA-256), data, split or inputs differ. "-": not measured.
 
     FMD-c      Frechet distance by the content judge's features, as Park et al. 2021 measure it; its mean over styles
     accuracy   windows whose content is still recognized (CRA)
@@ -26,7 +26,7 @@ VARIETY = {'noise': 'noise', 'styled': 'examples'}
 JUDGES = {'accuracy': 'content', 'SRA': 'style', 'movement': 'movement', 'legs, pose': 'legs_pose',
           'legs, movement': 'legs_movement'}
 COLUMNS = ['FMD-c', 'accuracy', 'FMD', 'SRA', 'movement', 'legs, pose', 'legs, movement', 'jerk', 'APD cm']
-SAME = ('manifest', 'judges', 'data', 'inputs')
+SAME = ('manifest', 'split', 'judges', 'data', 'inputs')
 
 
 def mean_over_styles(figures, name):
@@ -37,9 +37,10 @@ def mean_over_styles(figures, name):
 def figures_of(judged, key):
     """The columns of one set of clips in one file; None where there is no figure."""
     row = dict.fromkeys(COLUMNS)
-    judges = {judge['key']: judge['value'] for judged_set in judged['judges'] if judged_set['key'] == key
+    judges = {judge['key']: judge for judged_set in judged['judges'] if judged_set['key'] == key
               for judge in judged_set['judges']}
-    row.update({column: judges[judge] for column, judge in JUDGES.items()})
+    row.update({column: judges[judge]['value'] for column, judge in JUDGES.items()})
+    row['spreads'] = {column: judges[judge].get('spread') for column, judge in JUDGES.items()}
     figures = judged[FIGURES.get(key, key) if key not in FMD else 'styled' if 'styled' in judged else 'baseline']
     fmd = FMD.get(key, 'fmd')
     row['FMD'] = mean_over_styles(figures, fmd)
@@ -54,12 +55,13 @@ def figures_of(judged, key):
     return row
 
 
-def text(values):
+def text(values, spreads=()):
+    """A cell: several runs' mean ± deviation, or one run's figure ± the spread over judges."""
     values = [value for value in values if value is not None]
     if not values:
         return '-'
-    spread = f' ± {statistics.stdev(values):.2f}' if len(values) > 1 else ''
-    return f'{statistics.fmean(values):.2f}{spread}'
+    spread = statistics.stdev(values) if len(values) > 1 else next(iter(spreads), None)
+    return f'{statistics.fmean(values):.2f}' + ('' if spread is None else f' ± {spread:.2f}')
 
 
 def table(rows):
@@ -67,7 +69,15 @@ def table(rows):
     lines = ['| ' + ' | '.join(['', *COLUMNS]) + ' |', '|---' * (len(COLUMNS) + 1) + '|']
     for title, key, runs in rows:
         figures = [figures_of(judged, key) for judged in runs]
-        lines.append('| ' + ' | '.join([title, *(text([row[column] for row in figures]) for column in COLUMNS)]) + ' |')
+        cells = [text([row[column] for row in figures], [row['spreads'].get(column) for row in figures])
+                 for column in COLUMNS]
+        lines.append('| ' + ' | '.join([title, *cells]) + ' |')
+    made = rows[0][2][0]['provenance']
+    lines += ['', f"Judges of SHA-256 {made['judges']['sha256'][:16]}, {made['manifest']}, split {made['split']}"]
+    for title, _, runs in rows:
+        files = {f"{run['provenance']['weights']['file']} {run['provenance']['weights']['sha256'][:16]}"
+                 for run in runs if 'weights' in run['provenance']}
+        lines += [f'{title}: {", ".join(sorted(files))}'] if files else []
     return '\n'.join(lines)
 
 
@@ -109,7 +119,7 @@ def read(arguments):
             first = first or (name, made)
             for part in SAME:
                 if made[part] != first[1][part]:
-                    raise ValueError(f'{name}: {part} are not those of {first[0]}')
+                    raise ValueError(f'{name}: {part}: not as in {first[0]}')
         rows.append((title, key, runs))
     return rows
 
