@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Breaks the source in one place at a time and looks whether the tests notice. Options:
+# Breaks the source in one place at a time and checks that the tests notice. Options:
 #   NAME...      these breaks of tests/mutants.txt only; names may be shell patterns ('erd-*')
 #   --list       prints names, files and tests
 #   --help       prints this
-# A break is in the tree while its test binary is built and run, then its file is restored, also
-# after Ctrl-C; after a power cut the next call restores it. Needs a configured build/release.
-# tests/documents/test_mutants.py checks in CI that every break still applies. Not for CI itself: a
-# break takes half a minute to two.
+# All breaks that a test binary is to notice are built at once, each behind a question for the
+# environment variable STYLED_MUTANT; without it the tests must pass, with it they must fail. The
+# broken files are restored then, also after Ctrl-C; after a power cut the next call restores them.
+# Needs a configured build/release. CI does not run it; tests/documents/test_mutants.py checks there
+# that every break still applies.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 cd "$root"
@@ -15,38 +16,64 @@ build=build/release
 work=build/mutants
 usage() { sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0"; }
 
-names=() files=() olds=() news=() tests=()
-read_table() {  # five lines each: name, file, "- " old text, "+ " new text, test binary and filter
-  local lines i=0
+ulimit -c 0  # a failure ends a test binary by a signal
+
+names=() files=() kinds=() olds=() news=() tests=()
+read_table() {
+  local lines i
   mapfile -t lines < <(grep -v '^#' "$table" | grep -v '^$')
-  while [ "$i" -lt "${#lines[@]}" ]; do
-    if [[ "${lines[i + 2]:-}" != "  - "* || "${lines[i + 3]:-}" != "  +"* || -z "${lines[i + 4]:-}" ]]; then
-      echo "$table: '${lines[i]}' has not five lines: name, file, '  - ', '  + ', test" >&2
+  for ((i = 0; i < ${#lines[@]}; i += 5)); do
+    if [[ "${lines[i + 2]:-}" != "  "[-=]" "* || "${lines[i + 3]:-}" != "  + "* || -z "${lines[i + 4]:-}" ]]; then
+      echo "$table: '${lines[i]}' has not five lines: name, file, '  - ' or '  = ', '  + ', test" >&2
       exit 2
     fi
     names+=("${lines[i]}")
     files+=("${lines[i + 1]#  }")
-    olds+=("${lines[i + 2]#  - }")
-    local new=${lines[i + 3]#  +}
-    news+=("${new# }")
+    kinds+=("${lines[i + 2]:2:1}")
+    olds+=("${lines[i + 2]:4}")
+    news+=("${lines[i + 3]:4}")
     tests+=("${lines[i + 4]#  }")
-    i=$((i + 5))
   done
 }
 
-# How often the text $2 is in the file $1.
-count_in() {
-  local text rest
-  text=$(<"$1")
-  rest=${text//"$2"/}
-  echo $(((${#text} - ${#rest}) / ${#2}))
+# How often the text $2 is in the text $1.
+count() {
+  local rest=${1//"$2"/}
+  echo $(((${#1} - ${#rest}) / ${#2}))
 }
 
-restore() {  # puts back the file that is broken now
-  if [ -e "$work/path" ]; then
-    cp "$work/original" "$(<"$work/path")"  # its time is now, so that the next build compiles it
-    rm -f "$work/path" "$work/original"
+# The first lines of every file with a break.
+question='#ifndef STYLED_MUTANT
+#define STYLED_MUTANT
+#include <cstdlib>
+#include <cstring>
+static inline bool StyledMutant(const char* name) {
+  static const char* const on = std::getenv("STYLED_MUTANT");
+  return on != nullptr && std::strcmp(on, name) == 0;
+}
+#endif
+'
+
+# Puts break $1 into its file; 1 if its text is not there once, because of another break.
+apply() {
+  local i=$1 file=${files[$1]} text new
+  text=$(<"$file")
+  [ "$(count "$text" "${olds[i]}")" = 1 ] || return 1
+  if [ ! -e "$work/originals/$file" ]; then
+    mkdir -p "$work/originals/$(dirname "$file")"
+    cp "$file" "$work/originals/$file"
+    [ "${kinds[i]}" = = ] || text=$question$text
   fi
+  new="(StyledMutant(\"${names[i]}\") ? (${news[i]}) : (${olds[i]}))"
+  [ "${kinds[i]}" = - ] || new=${news[i]}
+  printf '%s\n' "${text/"${olds[i]}"/"$new"}" >"$file"
+}
+
+restore() {  # puts back what is broken now; its time is now, so that the next build compiles it
+  [ -d "$work/originals" ] || return 0
+  local file
+  (cd "$work/originals" && find . -type f) | while read -r file; do cp "$work/originals/$file" "$file"; done
+  rm -rf "$work/originals"
 }
 
 running=
@@ -57,10 +84,58 @@ stop() {  # no binary of broken source stays behind
 
 build_target() { nice ninja -C "$build" "$1" >"$work/build.log" 2>&1; }
 
-# Runs a test binary by "BINARY FILTER"; its output is in $work/test.log. 0: all passed; 1: failed.
+# Runs the test of break $1 with STYLED_MUTANT=$2, up to the first failure.
 run_test() {
-  local binary=${1%% *} filter=${1#* }
-  timeout 300 nice "$build/bin/$binary" --gtest_filter="$filter" >"$work/test.log" 2>&1
+  STYLED_MUTANT=$2 timeout 300 nice "$build/bin/${tests[$1]%% *}" --gtest_filter="${tests[$1]#* }" \
+    --gtest_break_on_failure >"$work/test.log" 2>&1
+}
+
+caught=0 survived=() unbuilt=() skipped=0
+say() {  # say BREAK RESULT SECONDS
+  printf '%-40s %-16s %4d s\n' "${names[$1]}" "$2" "$3"
+}
+
+# Tries the breaks $@, which are in the tree and have one binary.
+try() {
+  local i from result
+  declare -A clean=()
+  running=${tests[$1]%% *}
+  from=$SECONDS
+  if ! build_target "$running"; then
+    for i in "$@"; do
+      say "$i" 'DID NOT BUILD' $((SECONDS - from))
+      unbuilt+=("${names[i]}")
+    done
+    grep -m 3 'error:' "$work/build.log" || true
+    restore
+    return
+  fi
+  echo "$running built in $((SECONDS - from)) s"
+  for i in "$@"; do
+    from=$SECONDS
+    # Without a break the same tests pass and are some; a "=" break is always on.
+    if [ "${kinds[i]}" = - ] && [ -z "${clean[${tests[i]}]:-}" ]; then
+      if ! run_test "$i" '' || grep -q '^\[==========\] Running 0 tests' "$work/test.log"; then
+        tail -n 20 "$work/test.log" >&2
+        echo "${tests[i]}: expected tests that pass without a break" >&2
+        exit 1
+      fi
+      clean[${tests[i]}]=passed
+      grep -q '^\[       OK \]' "$work/test.log" || clean[${tests[i]}]=skipped
+    fi
+    if [ "${clean[${tests[i]}]:-}" = skipped ]; then
+      result='skipped, no data'
+      skipped=$((skipped + 1))
+    elif run_test "$i" "${names[i]}"; then
+      result=SURVIVED
+      survived+=("${names[i]}")
+    else
+      result=caught
+      caught=$((caught + 1))
+    fi
+    say "$i" "$result" $((SECONDS - from))
+  done
+  restore
 }
 
 read_table
@@ -69,7 +144,7 @@ if [ "${1:-}" = --help ]; then
   exit
 fi
 if [ "${1:-}" = --list ]; then
-  for i in "${!names[@]}"; do printf '%-36s %-44s %s\n' "${names[i]}" "${files[i]}" "${tests[i]}"; done
+  for i in "${!names[@]}"; do printf '%-40s %-38s %s\n' "${names[i]}" "${files[i]}" "${tests[i]}"; done
   exit
 fi
 chosen=()
@@ -88,8 +163,14 @@ for pattern in "$@"; do
 done
 
 mkdir -p "$work"
-if [ -e "$work/path" ]; then
-  echo "restoring $(<"$work/path"), which an interrupted run left broken"
+exec 9>"$work/lock"
+if ! flock -n 9; then
+  echo "another tests/mutants.sh runs in this tree" >&2
+  exit 1
+fi
+if [ -d "$work/originals" ]; then
+  echo 'restoring what an interrupted run left broken:'
+  (cd "$work/originals" && find . -type f)
   restore
 fi
 trap stop EXIT
@@ -97,7 +178,7 @@ trap 'exit 130' INT TERM
 
 # 1. Every break applies.
 for i in "${chosen[@]}"; do
-  times=$(count_in "${files[i]}" "${olds[i]}")
+  times=$(count "$(<"${files[i]}")" "${olds[i]}")
   if [ "$times" != 1 ]; then
     echo "mutant ${names[i]} no longer applies: ${files[i]} has its text $times times, expected once:" >&2
     echo "  ${olds[i]}" >&2
@@ -105,53 +186,29 @@ for i in "${chosen[@]}"; do
   fi
 done
 
-# 2. Without a break every test passes and runs something.
-declare -A without_data=()
-for test in $(for i in "${chosen[@]}"; do echo "${tests[i]// /@}"; done | sort -u); do
-  test=${test//@/ }
-  if ! build_target "${test%% *}"; then
-    tail -n 20 "$work/build.log" >&2
-    echo "${test%% *} does not build without a break" >&2
-    exit 1
-  fi
-  if ! run_test "$test" || grep -q '^\[==========\] 0 tests' "$work/test.log"; then
-    tail -n 20 "$work/test.log" >&2
-    echo "$test: expected tests that pass without a break" >&2
-    exit 1
-  fi
-  if ! grep -q '^\[       OK \]' "$work/test.log"; then without_data[$test]=1; fi
+# 2. By binary: as many breaks at once as do not touch the same text, then those of any text.
+begun=$SECONDS
+for binary in $(for i in "${chosen[@]}"; do echo "${tests[i]%% *}"; done | awk '!seen[$0]++'); do
+  waiting=() alone=()
+  for i in "${chosen[@]}"; do
+    [ "${tests[i]%% *}" = "$binary" ] || continue
+    if [ "${kinds[i]}" = - ]; then waiting+=("$i"); else alone+=("$i"); fi
+  done
+  while [ ${#waiting[@]} -gt 0 ]; do
+    together=() later=()
+    for i in "${waiting[@]}"; do
+      if apply "$i"; then together+=("$i"); else later+=("$i"); fi
+    done
+    try "${together[@]}"
+    waiting=("${later[@]}")
+  done
+  for i in "${alone[@]}"; do
+    apply "$i"
+    try "$i"
+  done
 done
 
-# 3. Each break.
-caught=0 survived=() unbuilt=() skipped=0
-begun=$SECONDS
-for i in "${chosen[@]}"; do
-  test=${tests[i]}
-  from=$SECONDS
-  if [ -n "${without_data[$test]:-}" ]; then
-    result='skipped, no data'
-    skipped=$((skipped + 1))
-  else
-    text=$(<"${files[i]}")
-    running=${test%% *}
-    cp "${files[i]}" "$work/original"
-    echo "${files[i]}" >"$work/path"
-    printf '%s\n' "${text/"${olds[i]}"/"${news[i]}"}" >"${files[i]}"
-    if ! build_target "$running"; then
-      result='DID NOT BUILD'
-      unbuilt+=("${names[i]}")
-    elif run_test "$test"; then
-      result=SURVIVED
-      survived+=("${names[i]}")
-    else
-      result=caught
-      caught=$((caught + 1))
-    fi
-    restore
-  fi
-  printf '%-36s %-16s %4d s\n' "${names[i]}" "$result" $((SECONDS - from))
-done
-# The binaries without a break, so that ctest does not run a broken one.
+# 3. The binaries without a break, so that ctest does not run a broken one.
 for binary in $(for i in "${chosen[@]}"; do echo "${tests[i]%% *}"; done | sort -u); do
   build_target "$binary"
 done

@@ -145,6 +145,18 @@ TEST_F(NeutralTest, IsTheSameWhereverOneWalks) {
   EXPECT_LT(Apart_deg(here), 0.05);
 }
 
+TEST_F(NeutralTest, TheSignOfAQuaternionMeansNothing) {
+  auto poses = Strangers("walk:60", 5);
+  Follow(poses);
+  const Carriage here = neutral_.turns();
+  neutral_ = Neutral();
+  for (std::size_t i = 0; i < poses.size(); i += 2) {
+    for (Quat& q : poses[i].rotations) q.coeffs() = -q.coeffs();
+  }
+  Follow(poses);
+  EXPECT_LT(Apart_deg(here), 0.05);
+}
+
 TEST_F(NeutralTest, DoesNotDependOnTheRateOfFrames) {
   Follow(Strangers("walk:60", 5, 240), 240);
   const Carriage fast = neutral_.turns();

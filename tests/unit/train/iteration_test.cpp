@@ -61,7 +61,7 @@ class ErdIteration : public testing::Test {
   Config config_;
 };
 
-// What an iteration sees: its windows and slots, remade from the state before it.
+// The windows and slots of an iteration, remade from the state before it.
 struct Seen {
   Batch batch;
   Slots slots;
@@ -108,7 +108,7 @@ body::WorldPose WorldOf(const std::array<body::Quat, body::kJointCount>& rotatio
   return world;
 }
 
-// What the generator makes of the windows, by the runtime's rotations and kinematics.
+// The generator's output for the windows, by the runtime's rotations and kinematics.
 struct Transferred {
   Tensor rec, rec_velocities, rec_height;  // decoded in the input style
   Tensor rec_positions;                    // [T, B, 21, 3]
@@ -303,7 +303,7 @@ std::map<std::string, double> GeneratorsLoss(const Seen& at, const Tensor& param
 
 // One iteration from random weights: what is logged are the equations' values, and Adam's first
 // moment holds their gradients. The derivative of a sum along its gradient is the gradient's
-// squared length.
+// squared length; the steps along it are such that the loss changes by `change`.
 void ErdIteration::ExpectTheEquations(double progress, double smooth_share) {
   const auto learner = Make();
   const Checkpoint before = StateOf(*learner);
@@ -328,7 +328,7 @@ void ErdIteration::ExpectTheEquations(double progress, double smooth_share) {
   const auto expect_gradient = [&](const std::string& name, double change, const auto& loss) {
     const Tensor gradient = after.tensors.at(name + ".first") / (1 - config_.beta1);
     const double square = gradient.square().sum().item<double>();
-    const double h = change / square;  // so that the loss changes by so much
+    const double h = change / square;
     const Tensor from = before.tensors.at(name).to(torch::kFloat64);
     const double slope = (loss(from + h * gradient) - loss(from - h * gradient)) / (2 * h);
     EXPECT_NEAR(slope, square, 0.02 * square) << name;

@@ -143,6 +143,34 @@ TEST_F(PipelineTest, LateFramesArePublishedUpToTheBacklogAndThenOnlyTheNewest) {
   EXPECT_EQ(Count(Counter::kPipelineBacklogDropped), 23U);
 }
 
+// A clock on which every look takes its time.
+struct SlowClock final : runtime::Clock {
+  std::int64_t Now_ns() const noexcept override { return now_ns += look_ns; }
+  std::int64_t Wall_ns() const noexcept override { return now_ns; }
+  mutable std::int64_t now_ns = 1'000'000 * kMs;
+  std::int64_t look_ns = 0;
+};
+
+TEST_F(PipelineTest, CyclesLongerThanAFrameAreCounted) {
+  SlowClock clock;
+  Pipeline slow(Dependencies{clock, counters_, publisher_, mailboxes_}, {"rig"}, {}, MakeConfig(),
+                77, 100);
+  const auto cycle = [&](std::int64_t look_ns) {
+    auto exchange = std::make_unique<Exchange>();
+    exchange->request.mutable_status();
+    ASSERT_TRUE(mailboxes_.commands.Push(std::move(exchange)));
+    clock.look_ns = look_ns;
+    ASSERT_GT(slow.DoWork(), 0);
+    ASSERT_TRUE(mailboxes_.replies.Pop(exchange));
+  };
+  cycle(0);
+  cycle(100'000);
+  EXPECT_EQ(Count(Counter::kPipelineOverBudget), 0U);
+  cycle(9 * kMs);
+  cycle(9 * kMs);
+  EXPECT_EQ(Count(Counter::kPipelineOverBudget), 2U);
+}
+
 TEST_F(PipelineTest, AStepOfTheWallClockIsReportedOnceAndMakesNoFrameLate) {
   Deliver({rig_.Body(), rig_.Frame()});
   Pass(1000);

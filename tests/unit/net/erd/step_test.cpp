@@ -253,6 +253,7 @@ TEST(Step, WeightsAreClampedAndOfOneStyleAdded) {
   EXPECT_EQ(Difference(styled({{1, -1.0F}}), none), 0);
   EXPECT_EQ(Difference(styled({{1, kNan}}), none), 0);
   EXPECT_EQ(Difference(styled({{1, 0.25F}, {1, 0.5F}}), styled({{1, 0.75F}})), 0);
+  EXPECT_EQ(Difference(styled({{1, 1.0F}, {1, 1.0F}}), most), 0) << "together not above the limit";
   EXPECT_GT(Difference(most, none), kTolerance);
 }
 

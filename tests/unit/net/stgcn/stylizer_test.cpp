@@ -157,6 +157,46 @@ TEST_F(StgcnStylizerTest, WindowsBlendWithoutASeam) {
   EXPECT_LT(largest_step(Extent::kWindows), 1.3F * largest_step(Extent::kWhole));
 }
 
+// The overlap of two windows by itself: features of both, the later one's share sin².
+TEST_F(StgcnStylizerTest, AnOverlapIsFadedBySinesSquared) {
+  const std::vector<body::Pose> poses = Walk(kWindow + kHop);
+  HeadingState heading;
+  std::vector<Features> clip(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ComputeFeatures(poses[i], network->features(), heading, clip[i]);
+  }
+  const auto styled = [&](int begin) {
+    Scratch scratch;
+    Network::Content content;
+    std::vector<Features> out(kWindow);
+    network->Encode(std::span(clip).subspan(static_cast<std::size_t>(begin), kWindow), content,
+                    scratch);
+    network->Decode(content, network->space().mean_code(2), out, scratch);
+    return out;
+  };
+  const std::vector<Features> first = styled(0), second = styled(kHop);
+  const auto found = Predict(*stylizer, Named(2), poses, Extent::kWindows);
+  ASSERT_EQ(found.size(), poses.size());
+  const auto most_apart = [&](const auto& share) {
+    float most = 0;
+    for (std::size_t i = 0; i < kHop; ++i) {
+      Features faded;
+      for (std::size_t k = 0; k < faded.size(); ++k) {
+        faded[k] = first[kHop + i][k] + share(i) * (second[i][k] - first[kHop + i][k]);
+      }
+      net::Decoded expected;
+      ToDecoded(faded, expected);
+      most = std::max(most, Apart_rad(found[kHop + i].styled, expected));
+    }
+    return most;
+  };
+  EXPECT_LT(most_apart([](std::size_t i) {
+              return std::pow(std::sin(M_PI_2 * (static_cast<double>(i) + 0.5) / kHop), 2);
+            }),
+            2e-3F);
+  EXPECT_GT(most_apart([](std::size_t) { return 1.0; }), 4e-3F) << "the windows differ";
+}
+
 TEST_F(StgcnStylizerTest, CodesAreMadeOfMeansNoiseAndReferences) {
   const std::vector<body::Pose> example = Walk(90);
   net::StyleRequest request;

@@ -117,8 +117,7 @@ double CrossEntropy(const Tensor& logit, double sign, const Tensor& paired) {
   return sum / std::max(1.0, count);
 }
 
-// The three networks that are exported, with parameters of their own, and what they make of a
-// batch.
+// The networks with parameters of their own, and their losses for a batch.
 struct World {
   const Config& config;
   const Drawn& drawn;
@@ -172,7 +171,7 @@ struct World {
     return CrossEntropy(critic(graph, window, domain, drawn.content), sign, drawn.paired);
   }
 
-  // What no gradient flows through.
+  // No gradient flows through these.
   struct Constants {
     Tensor other_fake;   // eq. 11's second output
     Tensor target_code;  // of a reference, in eq. 10
