@@ -571,9 +571,27 @@ TEST_F(Run, ValidationKeepsTheBestAndEndsARunThatGetsNoBetter) {
               testing::HasSubstr("none.csv: found no row"));
 }
 
+// The content input of a window, as the runtime has it: the label, what the recognizer finds, or
+// nothing.
+ContentInput ContentsOf(const Generator& generator, const Tensor& u, int content, double rate_hz,
+                        double rise_s) {
+  const int64_t frames = u.size(0), contents = generator.shape.contents;
+  const int64_t start = content >= 0 ? content : contents;
+  ContentInput in{torch::zeros({frames, 1, contents}), torch::tensor({start})};
+  if (content >= 0) in.content.select(2, content).fill_(1);
+  if (content != net::kContentRecognized) return in;
+  StackState state = generator.recognizer.Initial(1);
+  const Tensor found = torch::softmax(generator.Recognize(u, state), 2);
+  for (int64_t t = 0; t < frames; ++t) {
+    in.content[t] = found[t] * (1 - std::exp(-static_cast<double>(t) / rate_hz / rise_s));
+  }
+  return in;
+}
+
 // The runtime network, frame by frame, against the training network over the whole window.
 template <erd::Shape kShape>
-void ExpectRuntimeAgrees(const std::filesystem::path& run, const std::filesystem::path& file) {
+void ExpectRuntimeAgrees(const std::filesystem::path& run, const std::filesystem::path& file,
+                         int content = net::kContentRecognized, double rise_s = 0) {
   auto loaded = erd::ShapedNetwork<kShape>::Load(file);
   ASSERT_TRUE(loaded.ok()) << loaded.status().message();
   const erd::ShapedNetwork<kShape>& network = *loaded.value();
@@ -593,9 +611,14 @@ void ExpectRuntimeAgrees(const std::filesystem::path& run, const std::filesystem
   Tensor features = torch::empty({kFrames, 1, erd::kFeatureCount});
   FillWindow(Walker(70, 0.5F), 0, kFrames, false, false, network.features(),
              {.features = features.data_ptr<float>()});
-  const Tensor z =
-      generator.Encode((features - mean) / deviation, torch::tensor({{1.0F, 0.0F}}), {});
-  StackState neutral = generator.neutral.Initial(1), branch = generator.branches.Initial(1);
+  const Tensor u = (features - mean) / deviation;
+  const bool takes_contents = generator.shape.contents > 0;
+  ContentInput in;
+  if (takes_contents) in = ContentsOf(generator, u, content, network.features().rate_hz, rise_s);
+  const Tensor z = generator.Encode(u, torch::tensor({{1.0F, 0.0F}}), in.content);
+  StackState neutral =
+      takes_contents ? generator.neutral.InitialOf(in.start) : generator.neutral.Initial(1);
+  StackState branch = generator.branches.Initial(1);
   const Tensor r0 = generator.Neutral(z, neutral);
   const Tensor zs = r0 + generator.Branches(z, branch);
   const Tensor rec = generator.Decode(r0, torch::tensor({{1.0F, 0.0F}})).rotations;
@@ -609,7 +632,7 @@ void ExpectRuntimeAgrees(const std::filesystem::path& run, const std::filesystem
   for (int t = 0; t < kFrames; ++t) {
     erd::Features x;
     std::copy_n(features[t][0].data_ptr<float>(), x.size(), x.begin());
-    network.Step(x, 0, active, state, out);
+    network.Step(x, 0, active, state, out, content);
     for (int joint = 0; joint < body::kJointCount; ++joint) {
       for (int k = 0; k < 4; ++k) {
         largest = std::max(largest, std::abs(out.reconstruction.rotations[joint].coeffs()[k] -
@@ -649,6 +672,19 @@ TEST_F(Run, ExportedWeightsAgreeWithTheRuntimeNetwork) {
   config.iterations = 2;
   Check(Train(config));
   EXPECT_TRUE(erd::WideNetwork::Load(config.out / "weights.safetensors").ok());
+}
+
+TEST_F(Run, ExportedWeightsWithContentsAgreeWithTheRuntimeNetwork) {
+  RunFlags config = Config("run");
+  config.content_input = true;
+  config.content_rise_s = 0.5;
+  Check(Train(config));
+  const std::filesystem::path file = root_ / "exported.safetensors";
+  Check(ExportRun(config.out, file));
+  for (const int content : {net::kContentRecognized, net::kContentUnknown, 0, 1}) {
+    SCOPED_TRACE(content);
+    ExpectRuntimeAgrees<erd::kPaper>(config.out, file, content, config.content_rise_s);
+  }
 }
 
 }  // namespace
