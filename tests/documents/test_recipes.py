@@ -155,5 +155,49 @@ class TableTest(unittest.TestCase):
                 self.assertIn(said, done.stderr)
 
 
+def report():
+    """The output of styleeval --json, as far as card.py reads it."""
+    keys = ('style', 'content', 'movement', 'legs_pose', 'legs_movement', 'arms_pose', 'arms_movement', 'trunk_pose',
+            'trunk_movement')
+    judges = [{'key': key, 'value': 0.5, 'spread': 0.25, 'low': 0.4, 'high': 0.6, 'windows': 1200, 'styles': {'odd': 0.5},
+               'styles_spread': {'odd': None}} for key in keys]
+    share = {'value': 0.5, 'spread': 0.25, 'low': 0.4, 'high': 0.6, 'windows': 1200}
+    names = ('expression', 'expression_cosine', 'expression_of_training_clips', 'expression_cosine_of_training_clips', 'fmd',
+             'fmd_real_real', 'fmd_neutral_target', 'content_fmd', 'content_fmd_real_real', 'content_fmd_neutral_target',
+             'jitter_120', 'jitter_120_of_real', 'skate_in_cm_s', 'skate_out_cm_s')
+    figures = {'styles': {'odd': {'sra': share, 'cra': share, 'fmd_spread': 0.5, **dict.fromkeys(names, 2.0)}}}
+    return {'styled': figures, 'baseline': figures,
+            'judges': [{'key': key, 'title': title, 'judges': judges} for key, title in (
+                ('real', 'real clips'), ('offset', 'constant offset'), ('styled', 'v9'))],
+            'provenance': {'manifest': 'm', 'split': 'test', 'inputs': 2, 'judges': {'sha256': 'ab' * 32, 'count': 5},
+                           'weights': {'file': 'v9.safetensors', 'sha256': 'cd' * 32}}}
+
+
+class CardTest(unittest.TestCase):
+    def card(self, text):
+        with tempfile.NamedTemporaryFile('w', suffix='.json', encoding='utf-8') as file:
+            file.write(text)
+            file.flush()
+            return run('card.py', file.name, 'abcd1234')
+
+    def test_each_table_says_which_weights_judges_and_programs_it_is_of(self):
+        done = self.card(json.dumps(report()))
+        self.assertEqual((0, ''), (done.returncode, done.stderr))
+        lines = done.stdout.splitlines()
+        self.assertEqual('|  | v9 | constant offset | real clips |', lines[0])
+        self.assertIn('| movement alone recognized | 0.50 ± 0.25 [0.40, 0.60] |', done.stdout)
+        self.assertIn('| odd | 0.50 ± 0.25 [0.40, 0.60] | 0.50 ± 0.25 | 2.00 | 2.00 | 2.0 ± 0.5 (2) | 0.50 | 0.50; 0.50 |',
+                      done.stdout)
+        said = [line for line in lines if line.startswith('Of ')]
+        self.assertEqual(['Of `v9.safetensors`, SHA-256 cdcdcdcdcdcdcdcd, commit abcd1234, 5 judges of SHA-256 '
+                          'abababababababab, split test of m, 1,200 windows of 2 clips.'] * 2, said)
+
+    def test_what_is_no_report_is_refused(self):
+        for text, said in (('{}', 'expected what styleeval --json writes'), ('no', 'Expecting value'), ('[]', 'expected what')):
+            done = self.card(text)
+            self.assertEqual((1, ''), (done.returncode, done.stdout))
+            self.assertIn(said, done.stderr)
+
+
 if __name__ == '__main__':
     unittest.main()
