@@ -9,7 +9,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / 'model' / 'PAPERS.md'
-# `path/to/file.cpp:12` `Symbol`: the line has the symbol.
+# `FILE:12` `Symbol`: the line of the file has the symbol.
 PLACE = re.compile(r'`([\w./-]+\.(?:cpp|h|py|sh|md|toml)):(\d+)` `([^`]+)`')
 COMMAND = re.compile(r'`((?:styletrain|styleeval|stylebaseline|styleacts|styleunseen|ctest|tests/|model/)[^`:]*)`')
 FLAG = re.compile(r'(?<![\w-])(--[a-z][a-z0-9-]*)')
