@@ -102,7 +102,7 @@ TEST_F(FmdTest, IsThePlainDistanceOfTheAutoEncodersFeaturesOnThirtyTwoAxes) {
   const StyleFigures figures = evaluator.Measure("odd", std::span(&transferred, 1)).styles[1];
 
   const auto look = [&](std::span<const body::Pose> poses, int style, int stride) {
-    return judges.Judge(MakeSequence(poses, style, 0, false, judges.parameters()), stride);
+    return judges.Judge(MakeSequence(poses, style, 0, false, judges.parameters()), stride).at(0);
   };
   const auto thin = [](const Poses& poses) {
     Poses out;
