@@ -84,11 +84,12 @@ stop() {  # no binary of broken source stays behind
 
 build_target() { nice ninja -C "$build" "$1" >"$work/build.log" 2>&1; }
 
-# Runs the test of break $1 with STYLED_MUTANT=$2, up to the first failure.
+# Runs the test of break $1 with STYLED_MUTANT=$2, up to the first failure. Bash's own line about
+# the signal is left out.
 run_test() {
   STYLED_MUTANT=$2 timeout 300 nice "$build/bin/${tests[$1]%% *}" --gtest_filter="${tests[$1]#* }" \
     --gtest_break_on_failure >"$work/test.log" 2>&1
-}
+} 2>/dev/null
 
 caught=0 survived=() unbuilt=() skipped=0
 say() {  # say BREAK RESULT SECONDS
