@@ -346,12 +346,13 @@ int main(int argc, char** argv) {
                  "which is used once for the same weights")
       ->check(CLI::IsMember({styled::judge::kValidation, styled::judge::kTest}))
       ->capture_default_str();
-  app.add_option("--ledger", arguments.ledger,
-                 "--split test: the file of all uses of test splits, model/weights/TESTED.tsv");
+  app.add_option(
+      "--ledger", arguments.ledger,
+      "With --split test: the file of all uses of test splits, model/weights/TESTED.tsv");
   app.add_option("--commit", arguments.commit,
-                 "--split test: the commit that the programs were built of, for the ledger");
+                 "With --split test: the commit that the programs were built of, for the ledger");
   app.add_flag("--again", arguments.again,
-               "--split test: though the ledger has a line of these weights");
+               "With --split test: though the ledger has a line of these weights");
   app.add_option("--json", arguments.json, "Write every figure to this file, too");
   app.add_option("--report", arguments.report,
                  "Write a page (HTML) with tables, plots and animated stick figures");

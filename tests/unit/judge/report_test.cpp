@@ -101,6 +101,8 @@ TEST_F(FmdTest, IsThePlainDistanceOfTheAutoEncodersFeaturesOnThirtyTwoAxes) {
   const Transferred transferred{.style = 1, .input = input, .output = output};
   const StyleFigures figures = evaluator.Measure("odd", std::span(&transferred, 1)).styles[1];
 
+  ASSERT_EQ(figures.distances.size(), 1U) << "one judge";
+  const Distances& distances = figures.distances[0];
   const auto look = [&](std::span<const body::Pose> poses, int style, int stride) {
     return judges.Judge(MakeSequence(poses, style, 0, false, judges.parameters()), stride).at(0);
   };
@@ -122,15 +124,15 @@ TEST_F(FmdTest, IsThePlainDistanceOfTheAutoEncodersFeaturesOnThirtyTwoAxes) {
   const auto fmd = [&](const Verdicts& of) {
     return PlainFrechet(Spread(of.embedding, count) * axes, Spread(real.embedding, count) * axes);
   };
-  EXPECT_NEAR(figures.fmd, fmd(out), 1e-4 * fmd(out));
-  EXPECT_NEAR(figures.fmd_real, fmd(other), 1e-4 * fmd(other));
-  EXPECT_NEAR(figures.fmd_neutral, fmd(in), 1e-4 * fmd(in));
+  EXPECT_NEAR(distances.fmd, fmd(out), 1e-4 * fmd(out));
+  EXPECT_NEAR(distances.fmd_real, fmd(other), 1e-4 * fmd(other));
+  EXPECT_NEAR(distances.fmd_neutral, fmd(in), 1e-4 * fmd(in));
   const auto content_fmd = [&](const Verdicts& of) {
     return PlainFrechet(Spread(of.content_features, count), Spread(real.content_features, count));
   };
-  EXPECT_NEAR(figures.content_fmd, content_fmd(out), 1e-4 * content_fmd(out));
-  EXPECT_NEAR(figures.content_fmd_real, content_fmd(other), 1e-4 * content_fmd(other));
-  EXPECT_NEAR(figures.content_fmd_neutral, content_fmd(in), 1e-4 * content_fmd(in));
+  EXPECT_NEAR(distances.content_fmd, content_fmd(out), 1e-4 * content_fmd(out));
+  EXPECT_NEAR(distances.content_fmd_real, content_fmd(other), 1e-4 * content_fmd(other));
+  EXPECT_NEAR(distances.content_fmd_neutral, content_fmd(in), 1e-4 * content_fmd(in));
 }
 
 }  // namespace
