@@ -170,7 +170,7 @@ TEST(ErdEquations, AStackStartsFromLearnedOrCarriedStates) {
     carried.c[layer] = torch::randn({groups, samples, width});
   }
   const Tensor goes_on = torch::tensor({{false, true}, {true, false}}).view({groups, samples, 1});
-  StackState state = stack.Start(carried, goes_on);
+  StackState state = Stack::Start(stack.Initial(samples), carried, goes_on);
   const Tensor y = stack(x, state);
   for (int64_t g = 0; g < groups; ++g) {
     for (int64_t n = 0; n < samples; ++n) {
