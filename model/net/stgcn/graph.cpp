@@ -56,7 +56,7 @@ std::span<const int> ClustersOf(int level) {
   return kLimbs;
 }
 
-std::array<Eigen::MatrixXf, kLabelCount> Adjacency(int level) {
+std::array<Eigen::MatrixXf, kLabelCount> Adjacency(int level, Normalization normalization) {
   const std::span<const int> parents = ParentsOf(level);
   const auto nodes = static_cast<Eigen::Index>(parents.size());
   std::array<Eigen::MatrixXf, kLabelCount> labels;
@@ -70,7 +70,12 @@ std::array<Eigen::MatrixXf, kLabelCount> Adjacency(int level) {
   }
   const Eigen::RowVectorXf entries =
       (labels[kSelf] + labels[kNearer] + labels[kFarther]).colwise().sum();
-  for (Eigen::MatrixXf& label : labels) label.array().rowwise() /= entries.array();
+  for (Eigen::MatrixXf& label : labels) {
+    const Eigen::RowVectorXf divisors = normalization == Normalization::kSubset
+                                            ? label.colwise().sum().cwiseMax(1).eval()
+                                            : entries;
+    label.array().rowwise() /= divisors.array();
+  }
   return labels;
 }
 

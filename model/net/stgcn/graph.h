@@ -26,10 +26,16 @@ std::span<const int> ParentsOf(int level);
 // The node of level + 1 that each node of `level` belongs to; level 0 or 1.
 std::span<const int> ClustersOf(int level);
 
-// One [nodes, nodes] matrix per label. Element (j, i) is 1 / (1 + neighbours of i) where j is a
-// neighbour of i with that label, else 0; the columns of the sum over the labels sum to 1. A graph
-// convolution is y = sum over k of (W_k x + b_k 1') A_k, with a node's channels as a column of x.
-std::array<Eigen::MatrixXf, kLabelCount> Adjacency(int level);
+// The divisor of a neighbour j of i: the size of i's neighbourhood, itself counted, as in the
+// authors' code; or of those with j's label, as in the paper's equation (1).
+enum class Normalization { kNeighbours, kSubset };
+
+// One [nodes, nodes] matrix per label. Element (j, i) is one over the divisor where j is a
+// neighbour of i with that label, else 0; so the columns of the sum over the labels sum to 1, or
+// each column of a label that a node has. A graph convolution is y = sum over k of (W_k x + b_k 1')
+// A_k, with a node's channels as a column of x.
+std::array<Eigen::MatrixXf, kLabelCount> Adjacency(
+    int level, Normalization normalization = Normalization::kNeighbours);
 
 // [nodes of level, nodes of level + 1], from the right: the mean over each cluster. Level 0 or 1.
 Eigen::MatrixXf Pooling(int level);

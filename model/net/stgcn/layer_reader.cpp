@@ -52,6 +52,15 @@ int ReadWidth(const nlohmann::json& object, Faults& faults) {
   return 0;
 }
 
+Normalization ReadNormalization(const nlohmann::json& object, Faults& faults) {
+  const auto found = object.find("normalization");
+  if (found == object.end() || *found == "neighbours") return Normalization::kNeighbours;
+  if (*found != "subset") {
+    faults.Key("normalization", "\"neighbours\" or \"subset\"", net::Shown(*found));
+  }
+  return Normalization::kSubset;
+}
+
 void CheckContents(const nlohmann::json& object, Faults& faults) {
   const nlohmann::json* const value = net::FindKey(object, "contents", faults);
   if (value == nullptr) return;
@@ -142,10 +151,10 @@ EncoderNodes LayerReader::ReadEncoder(const std::string& name, int level, int in
   block.out = out;
   const Eigen::MatrixXf pooling = Pooling(level);
   const Eigen::MatrixXf same = Eigen::MatrixXf::Identity(pooling.cols(), pooling.cols());
-  auto pooled = Adjacency(level);
+  auto pooled = Adjacency(level, normalization_);
   for (Eigen::MatrixXf& label : pooled) label *= pooling;
   block.graph1 = ReadGraph(name + ".gconv1", in, in, pooled, pooling);
-  block.graph2 = ReadGraph(name + ".gconv2", out, in, Adjacency(level + 1), same);
+  block.graph2 = ReadGraph(name + ".gconv2", out, in, Adjacency(level + 1, normalization_), same);
   block.skip = ReadSkip(name, out, in);
   block.pool_begins.push_back(0);
   for (int cluster = 0; cluster < pooling.cols(); ++cluster) {
@@ -166,12 +175,13 @@ DecoderNodes LayerReader::ReadDecoder(const std::string& name, int level, int in
   block.in = in;
   block.out = out;
   const Eigen::MatrixXf unpooling = Unpooling(level);
-  auto unpooled = Adjacency(level);
+  auto unpooled = Adjacency(level, normalization_);
   for (Eigen::MatrixXf& label : unpooled) label = (unpooling * label).eval();
   const auto same = [](Eigen::Index nodes) -> Eigen::MatrixXf {
     return Eigen::MatrixXf::Identity(nodes, nodes);
   };
-  block.graph1 = ReadGraph(name + ".gconv1", out, in, Adjacency(level + 1), same(unpooling.rows()));
+  block.graph1 = ReadGraph(name + ".gconv1", out, in, Adjacency(level + 1, normalization_),
+                           same(unpooling.rows()));
   block.graph2 = ReadGraph(name + ".gconv2", out, out, unpooled, same(unpooling.cols()));
   block.skip = ReadSkip(name, out, in);
   const std::span<const int> clusters = ClustersOf(level);

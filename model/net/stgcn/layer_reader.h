@@ -15,6 +15,8 @@ namespace styled::stgcn {
 
 // Reads the key "width". Returns 0, and adds a fault, if the kernels cannot run it.
 int ReadWidth(const nlohmann::json& object, net::Faults& faults);
+// "normalization", optional: "neighbours" or "subset" (graph.h).
+Normalization ReadNormalization(const nlohmann::json& object, net::Faults& faults);
 // "contents": names of the acts of the training data, for people.
 void CheckContents(const nlohmann::json& object, net::Faults& faults);
 // "heading_tau_s" and the file's rate.
@@ -35,7 +37,9 @@ void Copy(const net::RowMajor& from, net::AlignedFloats& to);
 // Reads layers from a file's tensors.
 class LayerReader {
  public:
-  explicit LayerReader(net::TensorReader& tensors) : tensors_(tensors) {}
+  explicit LayerReader(net::TensorReader& tensors,
+                       Normalization normalization = Normalization::kNeighbours)
+      : tensors_(tensors), normalization_(normalization) {}
 
   // A 1 x 1 convolution of every node; with `nodes` above 0, and a bias of each node.
   Linear ReadLinear(const std::string& name, int out, int in, int nodes);
@@ -53,6 +57,7 @@ class LayerReader {
   net::PackedColumns ReadSkip(const std::string& name, int out, int in);
 
   net::TensorReader& tensors_;
+  Normalization normalization_;
 };
 
 }  // namespace styled::stgcn

@@ -50,11 +50,12 @@ Result<std::shared_ptr<const Network>> Network::Read(net::WeightsFile& file) {
   net::ExpectEqual(file.header, "noise", static_cast<unsigned>(kNoise), faults);
   net::ExpectEqual(file.header, "window", static_cast<unsigned>(kReference), faults);
   CheckContents(file.header, faults);
+  const Normalization normalization = ReadNormalization(file.header, faults);
   const int width = w.width = ReadWidth(file.header, faults);
   if (!faults.none()) return faults.status();
 
   TensorReader tensors(file.view, faults);
-  LayerReader layers(tensors);
+  LayerReader layers(tensors, normalization);
   w.standard = ReadStandardization(tensors, features, faults);
   if (!faults.none()) return faults.status();
   w.generator = ReadGenerator(layers, width);

@@ -86,6 +86,28 @@ TEST(Graph, NeighboursAreLabelledByTheirDistanceToTheCentreEverywhere) {
   }
 }
 
+// Equation (1): each neighbour counts one over the size of its subset.
+TEST(Graph, BySubsetsEachSubsetSumsToOne) {
+  for (int level = 0; level < kLevels; ++level) {
+    const auto labels = Adjacency(level, Normalization::kSubset);
+    const auto entries = Adjacency(level);
+    for (int label = 0; label < kLabelCount; ++label) {
+      for (int node = 0; node < kNodes[static_cast<std::size_t>(level)]; ++node) {
+        const bool any = (entries[label].col(node).array() > 0).any();
+        EXPECT_FLOAT_EQ(labels[label].col(node).sum(), any ? 1.0F : 0.0F);
+        for (Eigen::Index from = 0; from < labels[label].rows(); ++from) {
+          EXPECT_EQ(labels[label](from, node) > 0, entries[label](from, node) > 0);
+        }
+      }
+    }
+  }
+  // The chest's three outward neighbours are the neck and both shoulders.
+  const auto labels = Adjacency(0, Normalization::kSubset);
+  EXPECT_FLOAT_EQ(labels[kSelf](body::kChest, body::kChest), 1);
+  EXPECT_FLOAT_EQ(labels[kNearer](body::kSpine, body::kChest), 1);
+  EXPECT_FLOAT_EQ(labels[kFarther](body::kNeck, body::kChest), 1.0F / 3);
+}
+
 TEST(Graph, ColumnsOfTheAdjacencySumToOne) {
   for (int level = 0; level < kLevels; ++level) {
     const auto labels = Adjacency(level);
