@@ -24,7 +24,11 @@ class StGcnFlags : public FamilyFlags {
     return st_gcn::MakeRecipe(run, config_);
   }
 
-  Needs RequiredInputs() const override { return NeedsOfGraphs(); }
+  Needs RequiredInputs() const override {
+    Needs needs = NeedsOfGraphs();
+    needs.train_frames = config_.fewest_frames;
+    return needs;
+  }
 
  private:
   st_gcn::Config config_;

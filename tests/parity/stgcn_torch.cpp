@@ -12,7 +12,7 @@ namespace {
 
 using torch::Tensor;
 
-std::string Metadata(const train::st_gcn::Shape& shape) {
+std::string Metadata(const train::st_gcn::Shape& shape, stgcn::Normalization normalization) {
   net::Model model;
   model.family = train::st_gcn::kFamily;
   for (int64_t style = 0; style < shape.domains; ++style) {
@@ -27,16 +27,17 @@ std::string Metadata(const train::st_gcn::Shape& shape) {
   header["noise"] = shape.noise;
   header["window"] = train::st_gcn::kWindowFrames;
   header["contents"] = {"walk"};
+  if (normalization == stgcn::Normalization::kSubset) header["normalization"] = "subset";
   return header.dump();
 }
 
 }  // namespace
 
 StgcnPair::StgcnPair(int64_t domains, int64_t width, uint64_t seed,
-                     const std::filesystem::path& file)
+                     const std::filesystem::path& file, stgcn::Normalization normalization)
     : shape{domains, width},
       networks(shape, torch::kCPU, false),
-      graph(torch::kCPU, torch::kFloat32) {
+      graph(torch::kCPU, torch::kFloat32, normalization) {
   const torch::NoGradGuard no_grad;
   torch::manual_seed(seed);
   mean = 0.3 * torch::randn({body::kJointCount, stgcn::kChannels});
@@ -44,7 +45,7 @@ StgcnPair::StgcnPair(int64_t domains, int64_t width, uint64_t seed,
   deviation = torch::rand({body::kJointCount, stgcn::kChannels}) * 0.3 + 0.05;
   mean[body::kHips][0] = mean[body::kHips][2] = 0;
   train::Checkpoint checkpoint;
-  checkpoint.strings["metadata"] = Metadata(shape);
+  checkpoint.strings["metadata"] = Metadata(shape, normalization);
   checkpoint.tensors["mean"] = mean;
   checkpoint.tensors["deviation"] = deviation;
   checkpoint.tensors["codes.mean"] = torch::randn({domains, shape.code});

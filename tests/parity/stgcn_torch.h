@@ -16,7 +16,8 @@ namespace styled::parity {
 // Networks with random weights, and the same in a weights file. Nothing is at its initial value:
 // biases, scales and the heads' sizes are drawn, too.
 struct StgcnPair {
-  StgcnPair(int64_t domains, int64_t width, uint64_t seed, const std::filesystem::path& file);
+  StgcnPair(int64_t domains, int64_t width, uint64_t seed, const std::filesystem::path& file,
+            stgcn::Normalization normalization = stgcn::Normalization::kNeighbours);
 
   train::st_gcn::Shape shape;
   train::st_gcn::Networks networks;

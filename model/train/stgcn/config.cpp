@@ -6,9 +6,13 @@ namespace styled::train::st_gcn {
 
 void AsInThePaper(Config& config) {
   config.hop = 32;
-  config.shared_contents = false;
+  config.fewest_frames = 8;
+  config.floor_deviations = config.even_contents = config.shared_contents = false;
   config.width = 64;
+  config.normalization = "subset";
+  config.critic_layer = true;
   config.node_bias = config.content_critic = config.scaled_heads = false;
+  config.judge_published = false;
   config.precision = "fp32";
   config.warm_up = 0;
   config.both_turns = true;
@@ -34,6 +38,12 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
            {"--heading-tau", &c.heading_tau_s, kAtLeast0, "Time constant of the heading filter, s"},
            {"--hop", &c.hop, kAtLeast1, "Frames between the starts of two windows of a clip"},
            {"--mirror", &c.mirror, kAny, "1: half of the windows are mirror images"},
+           {"--fewest-frames", &c.fewest_frames, kAtLeast1,
+            "Frames of the shortest clip; the rest of a window repeats its ends"},
+           {"--floor-deviations", &c.floor_deviations, kAny,
+            "1: features are standardized by 2 cm or 0.05 at least"},
+           {"--even-contents", &c.even_contents, kAny,
+            "1: contents of a domain are drawn alike; 0: its windows are"},
            {"--shared-contents", &c.shared_contents, kAny,
             "1: sources have a content in which the target domain was recorded"},
            {"--unpaired", &c.unpaired, k0To1,
@@ -43,6 +53,13 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
        {
            {"--width", &c.width, kAny, "Channels of the finest level, a multiple of 16 up to 96"},
            {"--node-bias", &c.node_bias, kAny, "1: every joint has a bias of its own"},
+           {"--normalization",
+            &c.normalization,
+            kAny,
+            "Divisor of a graph convolution: the number of neighbours, or of those in a subset",
+            {"neighbours", "subset"}},
+           {"--critic-layer", &c.critic_layer, kAny,
+            "1: the critic ends in a layer from all domains' outputs to as many"},
            {"--content-critic", &c.content_critic, kAny,
             "1: the critic also says whether the content is the source's"},
            {"--scaled-heads", &c.scaled_heads, kAny,
@@ -80,6 +97,8 @@ std::vector<FlagGroup> FlagsOf(Config& c) {
        }},
       {"Losses",
        {
+           {"--judge-published", &c.judge_published, kAny,
+            "1: critic, cycle, style and diversity see windows as published; 0: as decoded"},
            {"--w-adversarial", &c.w_adversarial, kAtLeast0, "Weight of the critic"},
            {"--w-cycle", &c.w_cycle, kAtLeast0, "Of the way to another style and back"},
            {"--w-identity", &c.w_identity, kAtLeast0, "Of a window decoded in its own style"},
@@ -112,6 +131,9 @@ Status Check(const Config& config) {
     return RefuseNumber(
         "--width", config.width,
         "a multiple of " + std::to_string(kWidthStep) + " up to " + std::to_string(kMaxWidth));
+  }
+  if (!config.even_contents && config.shared_contents) {
+    return Status::Error("--even-contents 0: expected --shared-contents 0, too");
   }
   Config copy = config;
   return CheckRanges(FlagsOf(copy));

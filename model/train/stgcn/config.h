@@ -12,9 +12,12 @@ namespace styled::train::st_gcn {
 // AsInThePaper has the authors' own. Figures behind them are in model/train/README.md.
 struct Config {
   // The data.
-  double heading_tau_s = 0.25;  // time constant of the heading filter; the runtime's is the same
-  int hop = 4;                  // frames between the starts of two windows of a clip
-  bool mirror = true;           // half of all windows are mirror images
+  double heading_tau_s = 0.25;   // time constant of the heading filter; the runtime's is the same
+  int hop = 4;                   // frames between the starts of two windows of a clip
+  bool mirror = true;            // half of all windows are mirror images
+  int fewest_frames = 32;        // of a clip; the rest of a window repeats its ends
+  bool floor_deviations = true;  // ComputeStatistics
+  bool even_contents = true;     // within a domain; otherwise all its windows are as likely
   // Source and target domain share the source's content, so that the critic compares motions of one
   // kind; otherwise contents are drawn independently. `unpaired`: the share of sources that may
   // have any content nevertheless, which the critic does not see.
@@ -24,7 +27,9 @@ struct Config {
   // The networks.
   int width = 32;  // channels of the finest level; a multiple of 16 up to 96
   bool node_bias = true;
+  std::string normalization = "neighbours";  // of a graph convolution, or "subset": stgcn/graph.h
   bool content_critic = true;      // the critic also says whether the content is the source's
+  bool critic_layer = false;       // a last layer of the critic, from domains to domains
   bool scaled_heads = true;        // smaller first outputs, else the critic wins at once
   std::string precision = "auto";  // of activations: "fp32", "bf16", or bf16 where it is fast
 
@@ -41,6 +46,10 @@ struct Config {
   double beta1 = 0.5, beta2 = 0.99, weight_decay = 1e-4;
   double decay_to = 0.2;
   double ema = 0.999;  // of the weights that are exported, per iteration; 0: those of the moment
+
+  // The losses of a window that was made see it as published, and not as decoded: rotations of
+  // length 1, and the positions that follow from them. Identity always sees it as decoded.
+  bool judge_published = true;
 
   // Weights of the losses.
   double w_adversarial = 1, w_cycle = 1, w_identity = 1, w_style = 1;
@@ -62,7 +71,8 @@ struct Config {
   double w_read = 0;
 };
 
-// The settings of Park et al. 2021 and their published code; where the two differ, the code's.
+// The settings of Park et al. 2021, and where the paper has none, those of their published code.
+// model/net/stgcn/FORMAT.md lists every difference, also those that remain.
 void AsInThePaper(Config& config);
 
 // A flag for each member of `config`, which must outlive the rows.

@@ -34,10 +34,11 @@ Tensor Product(const Tensor& x, const Tensor& w) {
   return at::matmul(x, w.to(x.scalar_type()).t());
 }
 
-Graph::Graph(const torch::Device& device, torch::Dtype type) : type(type) {
+Graph::Graph(const torch::Device& device, torch::Dtype type, stgcn::Normalization normalization)
+    : type(type) {
   const auto place = [&](const Tensor& matrix) { return matrix.to(device).to(type).contiguous(); };
   for (int level = 0; level < stgcn::kLevels; ++level) {
-    const auto adjacency = stgcn::Adjacency(level);
+    const auto adjacency = stgcn::Adjacency(level, normalization);
     std::vector<Tensor> mixed, pooled_mixed, sums;
     for (const Eigen::MatrixXf& label : adjacency) {
       mixed.push_back(FromEigen(label.transpose()));

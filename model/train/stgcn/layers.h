@@ -27,7 +27,8 @@ torch::Tensor Product(const torch::Tensor& x, const torch::Tensor& w);
 // The fixed matrices of the graph and of time, in one type on one device. Mixing matrices multiply
 // from the left and have a row per node and label, the labels of a node one after the other.
 struct Graph {
-  Graph(const torch::Device& device, torch::Dtype type);
+  Graph(const torch::Device& device, torch::Dtype type,
+        stgcn::Normalization normalization = stgcn::Normalization::kNeighbours);
 
   torch::Dtype type;
   std::array<torch::Tensor, stgcn::kLevels> mixing;      // [3V, V]: A_k

@@ -30,8 +30,9 @@ Shape ShapeOf(const Config& config, int domains) {
   return shape;
 }
 
-Tensor Indices(const std::vector<int64_t>& values, const torch::Device& device) {
-  return torch::tensor(values, torch::kInt64).to(device);
+stgcn::Normalization NormalizationOf(const Config& config) {
+  return config.normalization == "subset" ? stgcn::Normalization::kSubset
+                                          : stgcn::Normalization::kNeighbours;
 }
 
 }  // namespace
@@ -72,12 +73,13 @@ Learner::Learner(const Config& config, uint64_t seed, const WindowStore& store,
       device_(device),
       store_(store),
       kinematics_(statistics, device),
-      graph_(device, TypeOf(config.precision, device)),
-      exact_graph_(device, torch::kFloat32),
+      graph_(device, TypeOf(config.precision, device), NormalizationOf(config)),
+      exact_graph_(device, torch::kFloat32, NormalizationOf(config)),
       postures_(store, domains, single_act),
       sampler_(store, {.domains = domains,
                        .contents = static_cast<int>(single_act.size()),
                        .shared_contents = config.shared_contents,
+                       .even_contents = config.even_contents,
                        .unpaired = config.unpaired,
                        .mirror = config.mirror,
                        .seed = seed}),
@@ -85,7 +87,7 @@ Learner::Learner(const Config& config, uint64_t seed, const WindowStore& store,
       average_(ShapeOf(config, domains), device, config.scaled_heads),
       critic_(ShapeOf(config, domains),
               config.content_critic ? static_cast<int64_t>(single_act.size()) : 0, device,
-              config.scaled_heads ? kLogitScale : 1.0),
+              config.scaled_heads ? kLogitScale : 1.0, config.critic_layer),
       generator_adam_(networks_.generator.parameters, config.beta1, config.beta2),
       encoder_adam_(networks_.encoder.parameters, config.beta1, config.beta2),
       mapping_adam_(networks_.mapping.parameters, config.beta1, config.beta2),
@@ -217,9 +219,9 @@ Learner::Made Learner::Make(const Batch& batch, Turn turn) {
                                          torch::cat({made.own_code, made.target_code}));
   made.reconstruction = both.narrow(0, 0, config_.batch);
   made.raw = both.narrow(0, config_.batch, config_.batch);
-  made.fake = kinematics_.Published(made.raw);
+  made.fake = Judged(made.raw);
   const torch::NoGradGuard no_grad;
-  made.other_fake = kinematics_.Published(n.generator.Decode(graph_, content, other_code));
+  made.other_fake = Judged(n.generator.Decode(graph_, content, other_code));
   return made;
 }
 

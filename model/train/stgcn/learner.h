@@ -116,7 +116,7 @@ class Learner {
   struct Made {
     torch::Tensor own_code, target_code;  // [B, code]: of the source, of the target
     torch::Tensor reconstruction, raw;    // decoded with them
-    torch::Tensor fake, other_fake;       // published; of the target's two codes
+    torch::Tensor fake, other_fake;       // Judged; of the target's two codes
     torch::Tensor free_loss;
   };
 
@@ -132,6 +132,10 @@ class Learner {
   void AddReadShifts(int64_t iteration, Batch& batch) const;
   torch::Tensor Noise(int64_t iteration, int64_t stream) const;
   Made Make(const Batch& batch, Turn turn);
+  // The window that the losses see.
+  torch::Tensor Judged(const torch::Tensor& decoded) const {
+    return config_.judge_published ? kinematics_.Published(decoded) : decoded;
+  }
   bool Penalized() const;
   void Run(RecordedWork& recorded, const std::function<void()>& work);
   void StepTurn(const Batch& batch, Turn turn, double decay);

@@ -65,8 +65,9 @@ void Learner::StepCritic(double decay) {
 Tensor Learner::BodyLosses(const Batch& batch, const Made& made) {
   Tensor loss = torch::zeros({}, torch::TensorOptions().device(device_));
   if (config_.w_fk > 0) {
+    const Tensor published = config_.judge_published ? made.fake : kinematics_.Published(made.raw);
     const Tensor fk =
-        (made.raw - made.fake).abs().mean() +
+        (made.raw - published).abs().mean() +
         (made.reconstruction - kinematics_.Published(made.reconstruction)).abs().mean();
     loss = loss + config_.w_fk * fk;
     means_.Add("fk", fk);

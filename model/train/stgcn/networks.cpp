@@ -116,10 +116,12 @@ Tensor Mapping::operator()(const Tensor& z, const Tensor& domain) const {
   return torch::tanh(out_(torch::relu(fc2_(torch::relu(fc1_(both))))));
 }
 
-Critic::Critic(const Shape& shape, int64_t contents, const torch::Device& device, double head_scale)
+Critic::Critic(const Shape& shape, int64_t contents, const torch::Device& device, double head_scale,
+               bool last_layer)
     : trunk_(parameters, "d", shape),
       heads_(parameters, "d.heads", 4 * shape.width, shape.domains) {
   Scale(heads_.weight, head_scale);
+  if (last_layer) last_ = Linear(parameters, "d.last", shape.domains, shape.domains);
   if (contents > 0) {
     content_heads_ = Linear(parameters, "d.contents", 4 * shape.width, contents);
     Scale(content_heads_.weight, head_scale);
@@ -130,7 +132,8 @@ Critic::Critic(const Shape& shape, int64_t contents, const torch::Device& device
 Tensor Critic::operator()(const Graph& graph, const Tensor& x, const Tensor& domain,
                           const Tensor& content) const {
   const Tensor features = trunk_(graph, x);
-  const Tensor logit = OfDomain(heads_(features), domain);
+  const Tensor heads = heads_(features);
+  const Tensor logit = OfDomain(last_.weight.defined() ? last_(heads) : heads, domain);
   if (!content_heads_.weight.defined()) return logit;
   return logit + OfDomain(content_heads_(features), content);
 }

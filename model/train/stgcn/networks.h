@@ -86,11 +86,12 @@ class Mapping {
 };
 
 // D: whether a window is real motion of its domain, as a logit [B]. With `contents` above 0, each
-// content adds an affine function of the same features: real motion of that content.
+// content adds an affine function of the same features: real motion of that content. With
+// `last_layer`, the domains' logits go through one more layer, from all to all.
 class Critic {
  public:
-  Critic(const Shape& shape, int64_t contents, const torch::Device& device,
-         double head_scale = 1.0);
+  Critic(const Shape& shape, int64_t contents, const torch::Device& device, double head_scale = 1.0,
+         bool last_layer = false);
   torch::Tensor operator()(const Graph& graph, const torch::Tensor& x, const torch::Tensor& domain,
                            const torch::Tensor& content) const;
 
@@ -98,7 +99,7 @@ class Critic {
 
  private:
   Trunk trunk_;
-  Linear heads_, content_heads_;
+  Linear heads_, last_, content_heads_;
 };
 
 }  // namespace styled::train::st_gcn

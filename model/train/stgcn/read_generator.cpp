@@ -39,6 +39,12 @@ Result<LoadedGenerator> ReadGenerator(const std::filesystem::path& file) {
     return Status::Error(file.string() + ": key 'family': expected \"" + kFamily + "\", found \"" +
                          family + "\"");
   }
+  // Its tensors go on into a network for streams, whose file format has one normalization.
+  const auto normalization = opened.value().header.find("normalization");
+  if (normalization != opened.value().header.end() && *normalization != "neighbours") {
+    return Status::Error(file.string() + ": key 'normalization': expected \"neighbours\", found " +
+                         net::Shown(*normalization));
+  }
   const auto network = stgcn::Network::Parse(bytes.value(), file.string());
   if (!network.ok()) return network.status();
   try {

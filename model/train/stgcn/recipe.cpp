@@ -18,8 +18,7 @@ namespace {
 using torch::Tensor;
 
 constexpr double kRate_hz = 30;
-constexpr int kFewestFrames = kWindowFrames / 2;  // of a clip: at most half of a window is repeated
-constexpr int kCodeHop = 16;                      // frames between windows of a mean code
+constexpr int kCodeHop = 16;  // frames between windows of a mean code
 constexpr std::size_t kCodeBatch = 64;
 
 // The data that a run reads before its first random number.
@@ -87,8 +86,8 @@ class StGcnRecipe : public Recipe {
 
 Status StGcnRecipe::CheckData() const {
   if (learner_.HasAllDomains()) return Status::Ok();
-  return Status::Error("manifest " + manifest().name +
-                       ": every style needs training clips of half a window, 32 frames");
+  return Status::Error("manifest " + manifest().name + ": every style needs training clips of " +
+                       std::to_string(config_.fewest_frames) + " frames and more");
 }
 
 // The mean code of each style's training windows, by the running mean of the encoder.
@@ -144,6 +143,7 @@ std::string StGcnRecipe::Metadata(double wall_time_s) const {
   header["noise"] = shape.noise;
   header["window"] = kWindowFrames;
   header["contents"] = manifest().contents;
+  header["normalization"] = config_.normalization;
   return header.dump();
 }
 
@@ -160,10 +160,12 @@ Result<Inputs> ReadInputs(const RunConfig& run, const Config& config) {
   erd::FeatureParameters reading;  // of the clips: their rate, and which frames are still
   reading.rate_hz = inputs.parameters.rate_hz;
   reading.heading_tau_s = inputs.parameters.heading_tau_s;
-  Result<TrainingData> data = LoadTrainingData(run.manifest, run.data, reading, kFewestFrames);
+  Result<TrainingData> data =
+      LoadTrainingData(run.manifest, run.data, reading, config.fewest_frames);
   if (!data.ok()) return data.status();
   inputs.data = std::move(data.value());
-  inputs.statistics = ComputeStatistics(inputs.data.train, inputs.parameters);
+  inputs.statistics =
+      ComputeStatistics(inputs.data.train, inputs.parameters, config.floor_deviations);
   stgcn::SetHemisphere(inputs.statistics.mean, inputs.parameters);
   return inputs;
 }

@@ -18,6 +18,7 @@ using stgcn::kPositionChannels;
 using torch::Tensor;
 
 constexpr float kPositionFloor_m = 0.02F, kRotationFloor = 0.05F;
+constexpr float kConstant = 1e-5F;  // without floors: smaller deviations are those of constants
 constexpr int kFrames = static_cast<int>(kWindowFrames);
 // Windows of a cell: fewer are noise (a clip that stands still for an instant).
 constexpr int kFewestWindows = 4;
@@ -54,14 +55,17 @@ void Symmetrize(Eigen::ArrayXd& mean, Eigen::ArrayXd& square) {
   }
 }
 
-float Floor(int feature) {
-  return feature % kChannels < kPositionChannels ? kPositionFloor_m : kRotationFloor;
+float Usable(int feature, float deviation, bool floored) {
+  if (IsConstant(feature)) return 1;
+  if (!floored) return deviation < kConstant ? 1 : deviation;
+  const bool position = feature % kChannels < kPositionChannels;
+  return std::max(deviation, position ? kPositionFloor_m : kRotationFloor);
 }
 
 }  // namespace
 
 Statistics ComputeStatistics(const std::vector<TrainingClip>& clips,
-                             stgcn::FeatureParameters parameters) {
+                             stgcn::FeatureParameters parameters, bool floored) {
   Statistics statistics;
   // First on the hemisphere of identity, then on that of the first pass's mean.
   for (int pass = 0; pass < 2; ++pass) {
@@ -82,8 +86,7 @@ Statistics ComputeStatistics(const std::vector<TrainingClip>& clips,
     const Eigen::ArrayXd deviation = (square - mean.square()).max(0).sqrt();
     for (int i = 0; i < kFeatureCount; ++i) {
       statistics.mean[i] = IsConstant(i) ? 0 : static_cast<float>(mean[i]);
-      statistics.deviation[i] =
-          IsConstant(i) ? 1 : std::max(static_cast<float>(deviation[i]), Floor(i));
+      statistics.deviation[i] = Usable(i, static_cast<float>(deviation[i]), floored);
     }
     stgcn::SetHemisphere(statistics.mean, parameters);
   }
@@ -158,6 +161,7 @@ void Sampler::FindCells() {
   for (int clip = 0; clip < store.clips(); ++clip) {
     sources = std::max(sources, store.SourceOf(clip) + 1);
   }
+  windows_.resize(domains);
   cells_.assign(domains, std::vector<Cell>(contents, Cell(static_cast<std::size_t>(sources))));
   for (int clip = 0; clip < store.clips(); ++clip) {
     for (const int start : store.Starts(clip)) {
@@ -166,6 +170,8 @@ void Sampler::FindCells() {
       std::vector<Place>& places = cell[static_cast<std::size_t>(store.SourceOf(clip))];
       if (places.empty() || places.back().clip != clip) places.push_back({clip, {}});
       places.back().starts.push_back(start);
+      if (options_.even_contents) continue;
+      windows_[static_cast<std::size_t>(store.StyleOf(clip))].push_back({clip, start, false});
     }
   }
 }
@@ -195,8 +201,10 @@ void Sampler::FindContents() {
 }
 
 bool Sampler::HasAll() const {
-  return std::none_of(contents_of_.begin(), contents_of_.end(),
-                      [](const std::vector<int>& contents) { return contents.empty(); });
+  const auto lacks = [](const auto& all) {
+    return std::any_of(all.begin(), all.end(), [](const auto& of) { return of.empty(); });
+  };
+  return options_.even_contents ? !lacks(contents_of_) : !lacks(windows_);
 }
 
 double Sampler::Uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
@@ -216,7 +224,15 @@ Window Sampler::Draw(const Cell& cell) {
   return window;
 }
 
+Window Sampler::DrawAny(int domain) {
+  const std::vector<Window>& all = windows_[static_cast<std::size_t>(domain)];
+  Window window = all[static_cast<std::size_t>(Below(all.size()))];
+  window.mirrored = options_.mirror && Uniform() < 0.5;
+  return window;
+}
+
 Window Sampler::DrawReference(int domain) {
+  if (!options_.even_contents) return DrawAny(domain);
   const std::vector<int>& contents = contents_of_[domain];
   return Draw(cells_[domain][contents[Below(contents.size())]]);
 }
@@ -244,10 +260,15 @@ std::vector<Sample> Sampler::Next(int count) {
     sample.target = Below(contents_of_.size());
     const std::vector<int>& shared = shared_[sample.domain][sample.target];
     const bool any = !options_.shared_contents || shared.empty() || Uniform() < options_.unpaired;
-    const std::vector<int>& from = any ? contents_of_[sample.domain] : shared;
-    sample.content = from[Below(from.size())];
     sample.paired = !any || !options_.shared_contents;
-    sample.source = Draw(cells_[sample.domain][sample.content]);
+    if (options_.even_contents) {
+      const std::vector<int>& from = any ? contents_of_[sample.domain] : shared;
+      sample.content = from[Below(from.size())];
+      sample.source = Draw(cells_[sample.domain][sample.content]);
+    } else {
+      sample.source = DrawAny(sample.domain);
+      sample.content = store_.ContentOf(sample.source.clip, sample.source.start);
+    }
     sample.same_clip = AnotherOf(sample.source);
     sample.reference1 = DrawReference(sample.target);
     sample.reference2 = DrawReference(sample.target);

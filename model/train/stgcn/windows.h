@@ -18,10 +18,11 @@ struct Statistics {
   stgcn::Features mean{}, deviation{};
 };
 
-// Deviations are at least 2 cm and, of rotations, 0.05: otherwise toes and hips, which hardly
-// move, dominate the losses. The hips' constant x and z have mean 0 and deviation 1.
+// With `floored`, deviations are at least 2 cm and, of rotations, 0.05: otherwise toes and hips,
+// which hardly move, dominate the losses. Without, those below 1e-5 are 1, as the authors' are. The
+// hips' constant x and z have mean 0 and deviation 1.
 Statistics ComputeStatistics(const std::vector<TrainingClip>& clips,
-                             stgcn::FeatureParameters parameters);
+                             stgcn::FeatureParameters parameters, bool floored = true);
 
 // A window of 64 frames. A clip that is shorter has its first and last frame repeated at both
 // ends; `start` is then negative.
@@ -66,13 +67,15 @@ struct Sample {
 // Draws samples: source and target domain uniform, then the content uniform among those that both
 // have, then folder, clip and window; so real and transferred windows of a domain have the same
 // distribution of contents. A share `unpaired` of the sources has any content. Without
-// `shared_contents` all have, and count as paired. A share `neutral` of the source domains is
-// domain 0, in addition to random ones. Deterministic; Save and Restore are exact.
+// `shared_contents` all have, and count as paired. Without `even_contents`, which needs that, all
+// windows of a domain are as likely, whatever their content, folder and clip. A share `neutral` of
+// the source domains is domain 0, in addition to random ones. Deterministic; Save and Restore are
+// exact.
 class Sampler {
  public:
   struct Options {
     int domains = 0, contents = 0;
-    bool shared_contents = true;
+    bool shared_contents = true, even_contents = true;
     double unpaired = 0.1;
     double neutral = 0;
     bool mirror = true;
@@ -99,6 +102,7 @@ class Sampler {
   int Below(std::size_t bound);
   double Uniform();
   Window Draw(const Cell& cell);
+  Window DrawAny(int domain);
   Window DrawReference(int domain);
   Window AnotherOf(const Window& window);
 
@@ -106,6 +110,7 @@ class Sampler {
   Options options_;
   std::mt19937_64 random_;
   std::vector<std::vector<Cell>> cells_;               // [domain][content]
+  std::vector<std::vector<Window>> windows_;           // per domain; without even_contents
   std::vector<std::vector<int>> contents_of_;          // per domain, contents that it has
   std::vector<std::vector<std::vector<int>>> shared_;  // [domain][domain], contents of both
 };

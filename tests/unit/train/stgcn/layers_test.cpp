@@ -29,10 +29,11 @@ Tensor Dense(const Eigen::MatrixXf& matrix) {
 }
 
 // y_i = Σ_k Σ_j A_k[j, i] (W_k x_j + b_k) + node bias, as the equation reads.
-Tensor ByTheEquation(const GraphConv& conv, const Tensor& x) {
+Tensor ByTheEquation(const GraphConv& conv, const Tensor& x,
+                     stgcn::Normalization by = stgcn::Normalization::kNeighbours) {
   const int64_t out = conv.bias.size(0) / kLabelCount;
   Tensor y = conv.node_bias.expand({x.size(0), x.size(1), -1, -1}).clone();
-  const auto adjacency = stgcn::Adjacency(conv.level);
+  const auto adjacency = stgcn::Adjacency(conv.level, by);
   for (int k = 0; k < kLabelCount; ++k) {
     const Tensor inner = torch::matmul(x, conv.weight.narrow(0, k * out, out).t()) +
                          conv.bias.narrow(0, k * out, out);
@@ -56,6 +57,10 @@ TEST_F(Layers, AGraphConvolutionIsItsEquationOnEveryLevel) {
     parameters.flat().normal_();
     const Tensor x = torch::randn({2, 4, stgcn::kNodes[level], 5});
     EXPECT_LT(Largest(conv(graph_, x), ByTheEquation(conv, x)), 1e-5) << level;
+    const auto by = stgcn::Normalization::kSubset;
+    const Graph subsets(torch::kCPU, torch::kFloat32, by);
+    EXPECT_LT(Largest(conv(subsets, x), ByTheEquation(conv, x, by)), 1e-5) << level;
+    EXPECT_GT(Largest(conv(subsets, x), conv(graph_, x)), 1e-2) << level;
   }
 }
 

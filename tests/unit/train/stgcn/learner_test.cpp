@@ -100,6 +100,71 @@ TEST_F(LearnerTest, TheFreeHeadReachesTheTrunkOnlyIfAsked) {
   }
 }
 
+// The paper has no such head: with its settings nothing else may depend on it.
+TEST_F(LearnerTest, WithThePapersSettingsTheFreeHeadChangesNoOtherBit) {
+  AsInThePaper(config_);
+  config_.width = 16;
+  config_.critic_rate = config_.encoder_rate = config_.mapping_rate = 1e-3;  // visible in 3 steps
+  std::vector<std::map<std::string, Tensor>> ends;
+  for (const double weight : {0.0, 1.0}) {
+    config_.w_free = weight;
+    const auto learner = Make();
+    for (int i = 0; i < 3; ++i) learner->Step(0);
+    auto& end = ends.emplace_back();
+    for (const auto& [name, parameters] : learner->networks().parts()) {
+      for (const auto& [tensor_name, tensor] : parameters->named()) {
+        end[tensor_name] = tensor.detach().clone();
+      }
+    }
+    for (const auto& [name, tensor] : learner->critic().parameters.named()) {
+      end[name] = tensor.detach().clone();
+    }
+  }
+  for (const auto& [name, tensor] : ends[0]) {
+    EXPECT_EQ(torch::equal(tensor, ends[1].at(name)), !name.starts_with("e.free.")) << name;
+  }
+}
+
+// A published position follows from the rotations, so that only decoded ones teach the output layer
+// to predict it.
+TEST_F(LearnerTest, TheLossesSeeDecodedWindowsIfAsked) {
+  config_.w_cycle = config_.w_identity = config_.w_free = config_.w_fk = 0;
+  for (const bool published : {true, false}) {
+    config_.judge_published = published;
+    const auto learner = Make();
+    learner->Step(0);
+    const Parameters& generator = learner->networks().generator.parameters;
+    const Tensor rows = generator.Find("g.out.weight").grad().abs().sum(1);
+    EXPECT_EQ(rows[0].item<float>() > 0, !published) << "x";
+    EXPECT_GT(rows[1].item<float>(), 0) << "y: the hips' height is published";
+    EXPECT_EQ(rows[2].item<float>() > 0, !published) << "z";
+    EXPECT_GT(rows[3].item<float>(), 0) << "rotations";
+  }
+}
+
+TEST_F(LearnerTest, TheCriticsLastLayerMixesTheDomains) {
+  const torch::NoGradGuard no_grad;
+  const Shape shape{.domains = 3, .width = 8};
+  torch::manual_seed(1);
+  const Critic without(shape, 0, torch::kCPU);
+  torch::manual_seed(1);
+  const Critic with(shape, 0, torch::kCPU, 1.0, true);
+  const Graph graph(torch::kCPU, torch::kFloat32);
+  const Tensor x = torch::randn({1, kWindowFrames, body::kJointCount, stgcn::kChannels});
+  const Tensor content = torch::zeros({1}, torch::kInt64);
+  const auto logits = [&](const Critic& critic) {
+    std::vector<Tensor> all;
+    for (int64_t domain = 0; domain < shape.domains; ++domain) {
+      all.push_back(critic(graph, x, torch::tensor({domain}), content));
+    }
+    return torch::cat(all);
+  };
+  const Tensor expected = torch::matmul(with.parameters.Find("d.last.weight"), logits(without)) +
+                          with.parameters.Find("d.last.bias");
+  EXPECT_LT((logits(with) - expected).abs().max().item<float>(), 1e-4F);
+  EXPECT_GT((logits(with) - logits(without)).abs().max().item<float>(), 1e-2F);
+}
+
 TEST_F(LearnerTest, PosturesOfExamplesTeachHeadsAndGenerator) {
   config_.w_adversarial = config_.w_cycle = config_.w_identity = config_.w_style = 0;
   config_.w_diversity = config_.diversity_target_cm = config_.w_fk = config_.w_free = 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include <sstream>
 
 #include "model/net/safetensors.h"
+#include "model/net/stgcn/network.h"
 #include "model/net/weights_file.h"
 #include "model/train/checkpoint.h"
 #include "model/train/stgcn/networks.h"
@@ -261,7 +263,12 @@ TEST_F(StGcnRun, ThePapersRunHasItsOwnSettingsAndExportsTheSameFormat) {
   EXPECT_DOUBLE_EQ(flags.beta1, 0.9);
   EXPECT_TRUE(flags.both_turns);
   EXPECT_FALSE(flags.node_bias || flags.same_clip || flags.content_critic || flags.scaled_heads ||
-               flags.encoder_learns_from_references || flags.shared_contents);
+               flags.encoder_learns_from_references || flags.shared_contents ||
+               flags.even_contents || flags.floor_deviations || flags.judge_published ||
+               flags.free_head_teaches);
+  EXPECT_TRUE(flags.critic_layer);
+  EXPECT_EQ(flags.normalization, "subset");
+  EXPECT_EQ(flags.fewest_frames, 8);
   flags.width = 16;
   flags.iterations = 3;
   Check(Train(flags));
@@ -275,6 +282,19 @@ TEST_F(StGcnRun, ThePapersRunHasItsOwnSettingsAndExportsTheSameFormat) {
   const auto& bias = file.value().view.tensors.at("g.enc1.gconv2.node_bias");
   EXPECT_EQ(bias.shape, (std::vector<std::int64_t>{10, 32}));
   for (const std::byte byte : bias.bytes) EXPECT_EQ(byte, std::byte{0});
+  EXPECT_EQ(file.value().header.at("normalization"), "subset");
+  EXPECT_TRUE(stgcn::Network::Parse(bytes.value(), "weights").ok());
+  EXPECT_LT(Read("paper").tensors.at("deviation").min().item<float>(), 0.02F) << "without floors";
+  EXPECT_THAT(ReadGenerator(set_.root() / "paper" / "weights.safetensors").status().message(),
+              testing::HasSubstr("key 'normalization': expected \"neighbours\""));
+}
+
+TEST_F(StGcnRun, UnevenContentsNeedUnsharedOnes) {
+  Config config;
+  config.even_contents = false;
+  EXPECT_THAT(st_gcn::Check(config).message(), testing::HasSubstr("--shared-contents 0"));
+  config.shared_contents = false;
+  EXPECT_TRUE(st_gcn::Check(config).ok());
 }
 
 // Small, but whole: the losses that a minute's training brings down, and what it makes visible.

@@ -71,6 +71,25 @@ TEST(StatisticsTest, AreThoseOfClipsAndTheirMirrorImages) {
   }
 }
 
+TEST(StatisticsTest, WithoutFloorsDeviationsAreThoseOfTheClips) {
+  std::vector<TrainingClip> clips = Clips();
+  for (TrainingClip& clip : clips) {  // a head that never turns
+    for (body::Pose& pose : clip.poses) pose.rotations[body::kHead] = body::Quat::Identity();
+  }
+  const Statistics floored = ComputeStatistics(clips, stgcn::FeatureParameters());
+  const Statistics bare = ComputeStatistics(clips, stgcn::FeatureParameters(), false);
+  int smaller = 0;
+  for (std::size_t i = 0; i < bare.deviation.size(); ++i) {
+    EXPECT_EQ(bare.mean[i], floored.mean[i]);
+    EXPECT_GE(bare.deviation[i], 1e-5F) << "usable as a divisor";
+    if (bare.deviation[i] < floored.deviation[i]) ++smaller;
+    if (bare.deviation[i] > floored.deviation[i]) {
+      EXPECT_EQ(bare.deviation[i], 1) << "of a constant";
+    }
+  }
+  EXPECT_GT(smaller, 10);
+}
+
 TEST(WindowStoreTest, AWindowIsStandardizedFeaturesOfTheClip) {
   const Data data;
   const Tensor window = data.store->Read({{0, 8, false}});
@@ -111,6 +130,42 @@ TEST(WindowStoreTest, TheLastWindowEndsWithItsClip) {
   const Data data(16);
   EXPECT_EQ(data.store->Starts(1), (std::vector<int>{0, 16, 32, 36}));
   EXPECT_EQ(data.store->Starts(0).back(), 136);
+}
+
+// The second domain: four clips of one window, one of 30 windows, one of 5 (hop 8).
+TEST(SamplerTest, WithoutEvenContentsEveryWindowOfADomainIsAsLikely) {
+  const Data data;
+  Sampler sampler(
+      *data.store,
+      {.domains = 2, .contents = 3, .shared_contents = false, .even_contents = false, .seed = 4});
+  ASSERT_TRUE(sampler.HasAll());
+  std::map<int, double> clips, references, contents;
+  double sources = 0, targets = 0;
+  for (const Sample& sample : sampler.Next(20000)) {
+    EXPECT_TRUE(sample.paired);
+    EXPECT_EQ(sample.content, data.store->ContentOf(sample.source.clip, sample.source.start));
+    EXPECT_EQ(data.store->StyleOf(sample.source.clip), sample.domain);
+    EXPECT_EQ(data.store->StyleOf(sample.reference1.clip), sample.target);
+    if (sample.domain == 1) {
+      ++sources;
+      ++clips[sample.source.clip];
+      ++contents[sample.content];
+    }
+    if (sample.target == 1) {
+      ++targets;
+      ++references[sample.reference1.clip];
+    }
+  }
+  double windows = 0;
+  for (int clip = 2; clip < 8; ++clip) {
+    windows += static_cast<double>(data.store->Starts(clip).size());
+  }
+  for (int clip = 2; clip < 8; ++clip) {
+    const double share = static_cast<double>(data.store->Starts(clip).size()) / windows;
+    EXPECT_NEAR(clips[clip] / sources, share, 0.02) << clip;
+    EXPECT_NEAR(references[clip] / targets, share, 0.02) << clip;
+  }
+  EXPECT_NEAR(contents[0] / sources, 4 / windows, 0.02);  // evenly it would be a third
 }
 
 TEST(SamplerTest, RealAndTransferredWindowsOfADomainHaveTheSameContents) {
