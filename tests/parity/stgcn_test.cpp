@@ -51,15 +51,14 @@ class StgcnParity : public testing::TestWithParam<Kind> {
   std::string file_ = folder_ / "weights.safetensors";
   StgcnPair pair_{kDomains, GetParam().first, static_cast<uint64_t>(GetParam().first), file_,
                   GetParam().second};
+  // By subsets the sums of a layer have up to three terms of weight 1, and rounding grows with
+  // them: measured 1.4e-4.
+  const float tolerance_ =
+      GetParam().second == stgcn::Normalization::kSubset ? 3 * kTolerance : kTolerance;
   std::shared_ptr<const stgcn::Network> network_;
   stgcn::Network::Content content_;
   stgcn::Scratch scratch_;
 };
-
-// Codes by subsets are larger: random weights see up to three times as large sums in each layer.
-float Tolerance(const Tensor& code) {
-  return kTolerance * std::max(1.0F, code.abs().max().item<float>());
-}
 
 stgcn::Code ToCode(const Tensor& code) {
   return Eigen::Map<const stgcn::Code>(code.contiguous().data_ptr<float>());
@@ -72,7 +71,7 @@ TEST_P(StgcnParity, TheGeneratorOfAnyLength) {
     const Tensor code = torch::randn({1, stgcn::kCode});
     const auto ours = Ours(clip, ToCode(code));
     const float largest = Largest(ours, pair_.Generate(clip, code));
-    EXPECT_LT(largest, kTolerance) << frames;
+    EXPECT_LT(largest, tolerance_) << frames;
     worst = std::max(worst, largest);
     EXPECT_GT(Largest(ours, pair_.Generate(clip, -code)), 100 * kTolerance) << frames;
   }
@@ -90,12 +89,11 @@ TEST_P(StgcnParity, TheStyleEncoderWithEveryHead) {
     const Tensor expected = encoder.Code(features, torch::tensor({domain}));
     const stgcn::Code found =
         network_->space().EncodeStyle(clip, static_cast<int>(domain), scratch_);
-    EXPECT_LT((found - ToCode(expected)).cwiseAbs().maxCoeff(), Tolerance(expected)) << domain;
+    EXPECT_LT((found - ToCode(expected)).cwiseAbs().maxCoeff(), tolerance_) << domain;
     EXPECT_GT(expected.abs().max().item<float>(), 0.1F);
   }
   const stgcn::Code free = network_->space().EncodeStyle(clip, stgcn::kFreeHead, scratch_);
-  const Tensor expected = encoder.FreeCode(features);
-  EXPECT_LT((free - ToCode(expected)).cwiseAbs().maxCoeff(), Tolerance(expected));
+  EXPECT_LT((free - ToCode(encoder.FreeCode(features))).cwiseAbs().maxCoeff(), tolerance_);
 }
 
 TEST_P(StgcnParity, TheMappingNetwork) {
