@@ -119,7 +119,7 @@ void PrintJudging(const std::optional<UnseenJudges>& judges, const UnseenLive& o
     std::printf("style recognition: not judged, since --judges was not given\n");
     return;
   }
-  std::printf("judges: %d seeds, of the data set %s; real clips are the examples%s\n",
+  std::printf("judges: %d, of the data set %s; real clips are the examples%s\n",
               judges->judges.settings().count, of.manifest.name.c_str(),
               judges->know_examples ? ", which the judges learned from" : "");
 }
