@@ -50,8 +50,9 @@ Result<std::unique_ptr<Recipe>> MakeChecked(
 // weights.safetensors (both replaced atomically, at every checkpoint), log.csv, monitor.csv; with
 // `validate` also validation.csv and its picture curve.svg, and best.safetensors, the weights of
 // the best score so far. Prints progress to stdout. A resumed run continues where the checkpoint
-// was made, on a CPU bit for bit. SIGINT and SIGTERM end a session after its step, saved (stop.h). Errors name
-// file or iteration. Blocks; one thread. Pinned by tests/unit/train/trainer_test.cpp, run_test.cpp.
+// was made, on a CPU bit for bit. SIGINT and SIGTERM end a session after its step, saved (stop.h).
+// Errors name file or iteration. Blocks; one thread. Pinned by tests/unit/train/trainer_test.cpp,
+// run_test.cpp.
 Status Train(const RunConfig& run, Recipe& recipe, const Validate& validate = nullptr);
 
 // A family's Recipe::ExportWeights without a run.

@@ -27,17 +27,17 @@ BANDAI = 'https://github.com/BandaiNamcoResearchInc/Bandai-Namco-Research-Motion
 SETS = {
     'bandai-1': {
         'page': BANDAI, 'archive': BANDAI + '/archive/refs/heads/master.tar.gz',
-        'licence': 'CC BY-NC 4.0: non-commercial, and so is what is trained on it. Cite Kobayashi et al. 2023, '
+        'licence': 'CC BY-NC 4.0: non-commercial, and so are networks trained on it. Cite Kobayashi et al. 2023, '
                    'arXiv 2306.08861.',
         'folders': ['bandai-1']},
     'bandai-2': {
         'page': BANDAI, 'archive': BANDAI + '/archive/refs/heads/master.tar.gz',
-        'licence': 'CC BY-NC 4.0: non-commercial, and so is what is trained on it. Cite Kobayashi et al. 2023, '
+        'licence': 'CC BY-NC 4.0: non-commercial, and so are networks trained on it. Cite Kobayashi et al. 2023, '
                    'arXiv 2306.08861.',
         'folders': ['bandai-2-train', 'bandai-2-val']},
     '100style': {
         'page': 'https://zenodo.org/records/8127870', 'record': 'https://zenodo.org/api/records/8127870',
-        'licence': 'CC BY 4.0. Credit "The 100STYLE Dataset - Ian Mason", doi 10.1145/3522618, and say what was changed.',
+        'licence': 'CC BY 4.0. Credit "The 100STYLE Dataset - Ian Mason", doi 10.1145/3522618, and state the changes.',
         'folders': ['100style'],
         'cut': 'The shipped weights saw these takes without their T-poses and without the last 15 s, so whole ones differ.'},
     'cmu': {
@@ -50,7 +50,7 @@ SETS = {
     'accad': {
         'page': 'https://accad.osu.edu/research/motion-lab/mocap-system-and-data',
         'licence': 'CC BY 3.0, as stated by the Open Motion Project of ACCAD. Credit "ACCAD, The Ohio State University", and '
-                   'say what was changed.',
+                   'state the changes.',
         'folders': ['accad']},
 }
 # Of each folder as the shipped weights saw it: its number of clips, and the SHA-256 of the lines "SHA-256  NAME" of
@@ -152,7 +152,7 @@ def convert_bandai(source, data, number):
         title = licence.read_text(encoding='utf-8').splitlines()[0]
         if title != 'Attribution-NonCommercial 4.0 International':
             raise Refused(f'{licence}: found "{title}", expected "Attribution-NonCommercial 4.0 International": an earlier '
-                          'download, whose licence does not let you share what you make of it')
+                          'download, whose licence does not let you share anything made with it')
     for clip in clips:
         if number == 1:
             folder = 'bandai-1' if 'dance-long' not in clip.name else None

@@ -164,7 +164,7 @@ void Learner::AddWanted(const std::vector<Sample>& samples, Batch& batch) const 
   batch.has_wanted = torch::tensor(has_wanted);
 }
 
-// Half of the sources are shifted differently from what is wanted, so that their own posture does
+// Half of the sources are shifted differently from the target, so that their own posture does
 // not reveal it.
 void Learner::AddReadShifts(int64_t iteration, Batch& batch) const {
   // Seeded by the iteration, so that a resumed run draws the same.
