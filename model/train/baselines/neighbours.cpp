@@ -14,7 +14,7 @@ using torch::Tensor;
 using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // A frame is compared with others by itself and the frames 2 and 4 before, five frames as in the
-// paper, in so many principal axes.
+// paper, in this number of principal axes.
 constexpr int kLags[] = {0, 2, 4};
 constexpr int kAxes = 32;
 constexpr int kEvery = 2;       // frames between those that are kept: neighbours in time are alike

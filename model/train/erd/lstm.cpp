@@ -201,7 +201,7 @@ class DeviceLstmFunction : public torch::autograd::Function<DeviceLstmFunction> 
     const long groups = all.size(0), frames = all.size(1) - 1, n = all.size(2), z = all.size(3);
     const auto cell = [&saved](long t) { return saved[static_cast<std::size_t>(t)]; };
     const auto workspace = [&](long t) { return saved[static_cast<std::size_t>(frames + 1 + t)]; };
-    // [T, G, N, Z], to which what comes back through the next frame is added.
+    // [T, G, N, Z], to which the gradient through the next frame is added.
     const Tensor dy = gradients[0].defined()
                           ? gradients[0].transpose(0, 1).clone(at::MemoryFormat::Contiguous)
                           : torch::zeros({frames, groups, n, z}, all.options());

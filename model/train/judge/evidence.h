@@ -52,7 +52,7 @@ std::vector<Evidence> EvidenceOf(const clip::Manifest& manifest,
                                  std::span<const train::TrainingClip> clips, double rate_hz,
                                  const Figures& figures);
 
-// What says how often a style is recognized: a manifest's name, and its judges' SHA-256.
+// The source of how often a style is recognized: a manifest's name, and its judges' SHA-256.
 struct JudgedBy {
   std::string manifest, judges;
 };

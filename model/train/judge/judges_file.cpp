@@ -21,7 +21,7 @@ std::string Hex(std::uint64_t hash) {
   return text;
 }
 
-// What must be the same for a file's judges to see what these programs show them.
+// The facts that must be the same for a file's judges to see what these programs show them.
 nlohmann::json NeedsOf(const clip::Manifest& manifest) {
   nlohmann::json styles = nlohmann::json::array();
   for (const clip::ManifestStyle& style : manifest.styles) styles.push_back(style.name);

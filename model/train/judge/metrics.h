@@ -42,8 +42,8 @@ Pca FitPca(const Eigen::MatrixXd& samples, int dimensions);
 // The standard deviation over judges of a figure of each (n - 1); NaN for fewer than two.
 double Spread(std::span<const double> by_judge);
 
-// A mean that is accumulated clip by clip. What several judges say is added with AddJudged; `sum`
-// is then the mean of their sums.
+// A mean that is accumulated clip by clip. Verdicts of several judges are added with AddJudged;
+// `sum` is then the mean of their sums.
 struct Mean {
   double sum = 0, count = 0;
   std::vector<double> by_judge = {};  // each judge's sum; empty where no judges decide

@@ -78,7 +78,7 @@ class Judges {
   const JudgeSettings& settings() const;
   // The parameters with which sequences must be made: rate, heading filter and hemispheres.
   const erd::FeatureParameters& parameters() const;
-  // What each judge says of a window at every `stride`-th frame. A sequence shorter than the window
+  // Each judge's verdict on a window at every `stride`-th frame. A sequence shorter than the window
   // has no windows.
   std::vector<Verdicts> Judge(const Sequence& sequence, int stride) const;
   // Each style judge's results for windows of `window` frames, at least 4, beginning at every

@@ -50,7 +50,7 @@ class PartJudges {
   PartJudges(PartJudges&&) noexcept;
   PartJudges& operator=(PartJudges&&) noexcept;
 
-  // What each judge says of a window at every `stride`-th frame, as Judges::Judge does.
+  // Each judge's verdict on a window at every `stride`-th frame, as Judges::Judge does.
   std::vector<Answers> Judge(std::span<const body::Pose> poses, int stride) const;
   // Names begin with the seed and "parts".
   std::vector<net::NamedTensor> Tensors() const;

@@ -90,7 +90,7 @@ class Evaluator {
 
  private:
   using Rows = std::vector<Eigen::RowVectorXd>;
-  // What one judge computes of each window.
+  // One judge's features of each window.
   struct Features {
     Rows embeddings, content_features;
   };

@@ -63,7 +63,7 @@ CUTS = FACTS['bandai-2']
 
 
 class Refused(Exception):
-    """What is wrong, for the terminal."""
+    """An error for the terminal."""
 
 
 def digest(folder):
@@ -74,7 +74,7 @@ def digest(folder):
 
 
 def check(data, folders):
-    """Says of each folder whether it is as expected; the number of those that are not."""
+    """Prints whether each folder is as expected; the number of those that are not."""
     wrong = 0
     for folder in folders:
         clips, found = digest(data / folder)
