@@ -96,6 +96,19 @@ TEST(Geometry, ARotationIsMadeAsManyTimesAsLarge) {
   EXPECT_TRUE(torch::allclose(ScaleRotation(none, factor), none));
 }
 
+TEST(Geometry, AQuaternionIsFlippedToItsReferencesSide) {
+  torch::manual_seed(5);
+  const Tensor q = torch::randn({30, 4}), reference = torch::randn({30, 4});
+  const Tensor out = ToHemisphere(q, reference);
+  int flipped = 0;
+  for (int64_t i = 0; i < 30; ++i) {
+    const bool away = q[i].dot(reference[i]).item<double>() < 0;
+    EXPECT_TRUE(torch::equal(out[i], away ? -q[i] : q[i])) << i;
+    flipped += away ? 1 : 0;
+  }
+  EXPECT_GT(flipped, 5);
+}
+
 TEST(Geometry, HalfAngleFollowsArccosAndStaysDifferentiableAtZero) {
   for (const float angle_rad : {0.02F, 0.2F, 0.8F}) {
     const body::Quat q = body::Exp(body::Vec3(angle_rad, 0, 0));
