@@ -13,6 +13,7 @@ OTHER = {
     'Model card: the shipped weights': 'which files there are', 'Model': 'what v2 is', 'Training': 'what was written by what',
     'The trial run': 'bounds', 'The judges': 'judges, not weights',
     'Table 1: what each part of the training is worth': 'networks that are not shipped',
+    'Park\'s network at the paper\'s width': 'a network that is not shipped, beside st-gcn',
     'The paper\'s losses at v2\'s budget': 'networks that are not shipped, beside v2',
     'A style added to frozen weights (the paper\'s future work, C.1)': 'networks that are not shipped',
     'Table 2: runtime': 'times', 'The whole stylist': 'times', 'Runtime': 'times',
