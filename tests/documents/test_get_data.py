@@ -2,6 +2,7 @@
 import pathlib
 import subprocess
 import sys
+import tarfile
 import tempfile
 import unittest
 
@@ -97,6 +98,17 @@ class GetData(unittest.TestCase):
         self.assertIn('expected 159 clips', done.stdout)
         clip = self.root / 'data' / 'bandai-1' / 'dataset-1_walk_normal_001.bvh'
         self.assertEqual(clip.read_text(encoding='utf-8'), get_data.fold_root(PUBLISHED, ''))
+
+    def test_an_archive_is_unpacked_and_nothing_outside_its_folder(self):
+        source = self.publish(1, ['walk_normal_001'])
+        archive = self.root / 'master.tar.gz'
+        with tarfile.open(archive, 'w:gz') as out:
+            out.add(source, 'master')
+            out.add(source / 'dataset' / 'Bandai-Namco-Research-Motiondataset-1' / 'LICENSE', '../../../escaped.bvh')
+        done = run('--from', archive, '--accept', 'bandai-1', self.root / 'data', 'bandai-1')
+        self.assertIn('bandai-1: 1 clips, SHA-256', done.stdout, done.stderr)
+        self.assertEqual(list(self.root.rglob('escaped.bvh')), [])
+        self.assertFalse((self.root.parent / 'escaped.bvh').exists())
 
     def test_a_digest_sees_names_and_contents(self):
         (self.root / 'one').mkdir()

@@ -200,7 +200,7 @@ def download(name, folder):
         return file
     if 'record' in SETS[name]:
         with urllib.request.urlopen(SETS[name]['record']) as response:
-            files = json.load(response)['files']
+            files = json.load(response).get('files', [])
         archive = next((file for file in files if file['key'].endswith('.zip')), None)
         if archive is None:
             raise Refused(f'{SETS[name]["record"]}: found no archive')
@@ -208,6 +208,15 @@ def download(name, folder):
         fetch(archive['links']['self'], file, archive.get('checksum'))
         return file
     raise Refused(f'{name} has no address of one archive: get it from {SETS[name]["page"]}, then give --from')
+
+
+def unpack_tar(archive, folder):
+    """Files and folders below `folder`, and nothing else: Debian 12's Python has no filter for that."""
+    root = folder.resolve()
+    for member in archive.getmembers():
+        place = (root / member.name).resolve()
+        if (member.isfile() or member.isdir()) and (place == root or root in place.parents):
+            archive.extract(member, root)
 
 
 def unpack(source, folder):
@@ -219,7 +228,7 @@ def unpack(source, folder):
             archive.extractall(folder)
     elif tarfile.is_tarfile(source):
         with tarfile.open(source) as archive:
-            archive.extractall(folder, filter='data')
+            unpack_tar(archive, folder)
     else:
         raise Refused(f'{source}: expected a folder, a .zip or a .tar.gz')
     for inner in sorted(folder.rglob('data.zip')):  # in Bandai-Namco's repository, beside the folder of the same clips
