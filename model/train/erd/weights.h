@@ -18,7 +18,7 @@ namespace styled::train::style_erd {
 struct WeightsMetadata {
   std::vector<std::pair<std::string, std::vector<std::string>>> styles;  // name, aliases
   double rate_hz = 30.0, heading_tau_s = 0.25;
-  std::vector<std::string> contents;  // of the content input; empty: there is none
+  std::vector<std::string> contents;  // of the content input; empty: it has none
   double content_rise_s = 0;          // with contents
   std::string licence;
   std::string training = "{}";  // a JSON object: how the weights were made

@@ -205,7 +205,7 @@ nlohmann::json JudgeStyledInputs(const Data& data, const Styler& styler, const E
       if (told) others.style_of[0] = 0;
       const Data some = Some(own, 2);
       const Figures figures = evaluator.Measure("", Style(some, others, options, false));
-      // From neutral to the target, on a performer who is not neutral: what a constant offset does.
+      // A constant offset turns from neutral to the target, whatever style the performer is in.
       const Figures by_offset = evaluator.Measure("", ApplyBaseline(some));
       for (std::size_t to = 1; to < styles.size(); ++to) {
         if (others.style_of[to] != kAbsent) AddOnce(by_offset.styles[to].sra, of_offset);

@@ -29,8 +29,8 @@ std::string LedgerFigures(const nlohmann::json& report);
 inline constexpr const char* kLedgerHead =
     "manifest\tweights_sha256\tfiles\tjudges_sha256\tcommit\tday\tfigures";
 
-// Adds a use without figures, before anything of the split is judged; the file is made where there
-// is none. Refuses weights that have a line of this manifest already, unless `again`.
+// Adds a use without figures, before anything of the split is judged; makes the file if it is
+// missing. Refuses weights that have a line of this manifest already, unless `again`.
 Status BeginTest(const TestUse& use, bool again, const std::filesystem::path& ledger);
 // Writes the figures into the last line of this use.
 Status EndTest(const TestUse& use, const std::string& figures, const std::filesystem::path& ledger);
