@@ -101,6 +101,24 @@ std::filesystem::path CacheFile(const std::filesystem::path& cache, const std::s
   return cache / (kind + "-" + key + "-seed-" + std::to_string(seed) + ".pt");
 }
 
+std::vector<Sequence> MakeSequences(const std::vector<train::TrainingClip>& clips,
+                                    const erd::FeatureParameters& parameters) {
+  std::vector<Sequence> sequences;
+  for (const train::TrainingClip& clip : clips) {
+    for (const bool mirrored : {false, true}) {
+      sequences.push_back(MakeSequence(clip.poses, clip.style, clip.content, mirrored, parameters));
+    }
+  }
+  return sequences;
+}
+
+std::vector<int> WindowStarts(const Sequence& sequence, int length, int stride) {
+  std::vector<int> starts;
+  const int last = static_cast<int>(sequence.frames.size()) - length;
+  for (int start = 0; start <= last; start += stride) starts.push_back(start);
+  return starts;
+}
+
 torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int length) {
   torch::Tensor windows =
       torch::empty({static_cast<long>(starts.size()), length, erd::kFeatureCount});
@@ -116,6 +134,12 @@ torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int
 std::vector<int> Answers(const torch::Tensor& logits) {
   const torch::Tensor best = logits.argmax(1).contiguous();
   return {best.data_ptr<std::int64_t>(), best.data_ptr<std::int64_t>() + best.numel()};
+}
+
+Eigen::MatrixXd Rows(const torch::Tensor& matrix) {
+  const torch::Tensor flat = matrix.to(torch::kDouble).contiguous();
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      flat.data_ptr<double>(), flat.size(0), flat.size(1));
 }
 
 void SaveModule(const torch::nn::Module& module, const std::filesystem::path& file) {

@@ -66,11 +66,20 @@ std::vector<JudgeSettings> EachSeed(const JudgeSettings& settings);
 std::filesystem::path CacheFile(const std::filesystem::path& cache, const std::string& kind,
                                 const std::string& key, unsigned seed);
 
+// The clips and their mirror images, as sequences.
+std::vector<Sequence> MakeSequences(const std::vector<train::TrainingClip>& clips,
+                                    const erd::FeatureParameters& parameters);
+
+// Every `stride`-th frame at which a window of `length` frames begins.
+std::vector<int> WindowStarts(const Sequence& sequence, int length, int stride);
 // Windows of a sequence as [starts, length, features].
 torch::Tensor Windows(const Sequence& sequence, std::span<const int> starts, int length);
 
 // The class with the largest logit, per row.
 std::vector<int> Answers(const torch::Tensor& logits);
+
+// A matrix of libtorch as Eigen's.
+Eigen::MatrixXd Rows(const torch::Tensor& matrix);
 
 // Writes `module` to `file` through a temporary file, so that none is ever incomplete. Throws.
 void SaveModule(const torch::nn::Module& module, const std::filesystem::path& file);

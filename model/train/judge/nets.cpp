@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
 
 #include "model/train/judge/auto_encoder.h"
 #include "model/train/judge/classifier.h"
@@ -79,14 +78,7 @@ void Judges::Impl::TrainOn(const std::vector<train::TrainingClip>& clips, int st
     deviation[0][i][0] = statistics.deviation[i];
   }
   SetParameters();
-  std::vector<Sequence> sequences;
-  for (const train::TrainingClip& clip : clips) {
-    for (const bool mirrored : {false, true}) {
-      sequences.push_back(
-          MakeSequence(clip.poses, clip.style, clip.content, mirrored, feature_parameters));
-    }
-  }
-  Train(sequences, styles, contents);
+  Train(MakeSequences(clips, feature_parameters), styles, contents);
 }
 
 void Judges::Impl::Train(const std::vector<Sequence>& sequences, int styles, int contents) {
@@ -197,9 +189,7 @@ std::vector<net::NamedTensor> Judges::Tensors() const {
 
 std::vector<std::vector<int>> Judges::JudgeStyle(const Sequence& sequence, int window) const {
   torch::NoGradGuard no_grad;
-  std::vector<int> starts(
-      static_cast<std::size_t>(std::max(0, static_cast<int>(sequence.frames.size()) - window + 1)));
-  std::iota(starts.begin(), starts.end(), 0);
+  const std::vector<int> starts = WindowStarts(sequence, window, 1);
   std::vector<std::vector<int>> by_judge(judges_.size());
   if (starts.empty()) return by_judge;
   const torch::Tensor windows = Windows(sequence, starts, window);
@@ -208,16 +198,6 @@ std::vector<std::vector<int>> Judges::JudgeStyle(const Sequence& sequence, int w
   }
   return by_judge;
 }
-
-namespace {
-
-Eigen::MatrixXd Rows(const torch::Tensor& matrix) {
-  const torch::Tensor flat = matrix.to(torch::kDouble).contiguous();
-  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      flat.data_ptr<double>(), flat.size(0), flat.size(1));
-}
-
-}  // namespace
 
 Verdicts Judges::Impl::Judge(const torch::Tensor& windows) const {
   Verdicts verdicts;
@@ -232,9 +212,7 @@ Verdicts Judges::Impl::Judge(const torch::Tensor& windows) const {
 
 std::vector<Verdicts> Judges::Judge(const Sequence& sequence, int stride) const {
   torch::NoGradGuard no_grad;
-  std::vector<int> starts;
-  const int last = static_cast<int>(sequence.frames.size()) - settings_.window;
-  for (int start = 0; start <= last; start += stride) starts.push_back(start);
+  const std::vector<int> starts = WindowStarts(sequence, settings_.window, stride);
   std::vector<Verdicts> by_judge(judges_.size());
   if (starts.empty()) return by_judge;
   const torch::Tensor windows = Windows(sequence, starts, settings_.window);

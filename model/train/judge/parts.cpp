@@ -170,14 +170,7 @@ void PartJudges::Impl::Train(const std::vector<Sequence>& sequences, int styles,
 
 void PartJudges::Impl::TrainOn(const std::vector<train::TrainingClip>& clips, int styles,
                                int contents) {
-  std::vector<Sequence> sequences;
-  for (const train::TrainingClip& clip : clips) {
-    for (const bool mirrored : {false, true}) {
-      sequences.push_back(
-          MakeSequence(clip.poses, clip.style, clip.content, mirrored, parameters_of_features));
-    }
-  }
-  Train(sequences, styles, contents);
+  Train(MakeSequences(clips, parameters_of_features), styles, contents);
 }
 
 PartJudges::PartJudges(const JudgeSettings& settings) : settings_(settings) {}
@@ -236,9 +229,7 @@ std::vector<PartJudges::Answers> PartJudges::Judge(std::span<const Pose> poses, 
   torch::NoGradGuard no_grad;
   const Sequence sequence =
       MakeSequence(poses, 0, 0, false, judges_.front()->parameters_of_features);
-  std::vector<int> starts;
-  const int last = static_cast<int>(sequence.frames.size()) - settings_.window;
-  for (int start = 0; start <= last; start += stride) starts.push_back(start);
+  const std::vector<int> starts = WindowStarts(sequence, settings_.window, stride);
   std::vector<Answers> by_judge(judges_.size());
   if (starts.empty()) return by_judge;
   const torch::Tensor windows = Windows(sequence, starts, settings_.window);
