@@ -376,6 +376,27 @@ TEST_F(ErdIteration, EveryLossOfTheGeneratorHasAGradient) {
   EXPECT_GT(StateOf(*learner).tensors.at("generator.first").abs().sum().item<double>(), 0);
 }
 
+TEST_F(ErdIteration, SmoothnessIsRampedIn) {
+  for (double Config::*weight :
+       {&Config::w_rotation, &Config::w_position, &Config::w_velocity, &Config::w_height,
+        &Config::w_perceptual, &Config::w_adversarial}) {
+    config_.*weight = 0;
+  }
+  config_.w_smooth = 4;
+  config_.smooth_from = 0.2;
+  config_.smooth_full = 0.6;
+  for (const auto& [progress, share] :
+       {std::pair{0.1, 0.0}, {0.2, 0.0}, {0.3, 0.25}, {0.4, 0.5}, {0.6, 1.0}, {0.9, 1.0}}) {
+    const auto learner = Make();
+    learner->Step(progress);
+    std::map<std::string, double> logged;
+    for (const auto& [name, value] : learner->means().Pop()) logged[name] = value;
+    ASSERT_GT(logged.at("smooth"), 0);
+    EXPECT_NEAR(logged.at("loss"), 4 * share * logged.at("smooth"), 1e-4 * logged.at("smooth"))
+        << progress;
+  }
+}
+
 TEST_F(ErdIteration, APenaltyThatOutweighsAllElseHasAGradient) {
   config_.w_penalty = 1e6;
   ExpectTheEquations(1, 1);

@@ -329,6 +329,15 @@ TEST_F(StGcnEquations, HoldWithCodesFromNoiseAndWithAPenalty) { ExpectTheEquatio
 
 TEST_F(StGcnEquations, HoldWithCodesOfReferences) { ExpectTheEquations(1); }
 
+// Among the others its gradient is too small to be seen.
+TEST_F(StGcnEquations, DiversityAloneHasAGradient) {
+  for (double Config::*weight : {&Config::w_adversarial, &Config::w_identity, &Config::w_cycle,
+                                 &Config::w_style, &Config::w_free, &Config::w_fk}) {
+    config_.*weight = 1e-9;  // 0 would leave some out
+  }
+  ExpectTheEquations(1);
+}
+
 TEST_F(StGcnEquations, ThePenaltyHasItsInterval) {
   config_.penalty_every = 3;
   const auto learner = At(0);
