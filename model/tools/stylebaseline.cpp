@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <optional>
 
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/baselines/baseline.h"
 #include "model/train/blas.h"
+#include "model/train/judge/action_figures.h"
 #include "model/train/judge/clip_restyler.h"
 #include "model/train/judge/comparison.h"
 #include "model/train/judge/details.h"
@@ -27,6 +29,7 @@ struct Arguments {
   train::baselines::Budget budget;
   std::string judges_file;
   judge::JudgeSettings judges = {.count = judge::kUsualJudges};
+  int action_classifiers = 0;
   double macs = 47.1e6;
   // By examples on set 2, SRA and CRA: 0.19 and 0.90 at 1, 0.58 and 0.80 at 10, 0.60 and 0.75 at
   // 100.
@@ -70,6 +73,18 @@ Status Judge(const Arguments& arguments, const std::string& command, const judge
   if (!style_of.ok()) return style_of.status();
   const judge::ClipRestyler restyler(network, style_of.value(), {}, arguments.form);
 
+  std::optional<judge::ActionClassifiers> classifiers;
+  std::optional<judge::ActionComparison> actions;
+  std::vector<judge::ActionFigures> of_actions;
+  if (arguments.action_classifiers > 0) {
+    judge::JudgeSettings settings = judges.settings();
+    settings.count = arguments.action_classifiers;
+    auto trained = judge::TrainActionClassifiers(data, settings, arguments.cache);
+    if (!trained.ok()) return trained.status();
+    classifiers = std::move(trained.value());
+    actions.emplace(data, *classifiers);
+    of_actions.push_back(actions->OfReal());
+  }
   std::vector<judge::Compared> sets;
   sets.push_back(comparison.OfReal("real", "real clips", data.validation));
   sets.push_back(comparison.OfStyled("neutral", "neutral input", judge::Unstyled(data)));
@@ -84,6 +99,7 @@ Status Judge(const Arguments& arguments, const std::string& command, const judge
     evaluator.Print(figures, &offset);
     json[key] = evaluator.ToJson(figures);
     sets.push_back(comparison.OfStyled(key, heading, clips));
+    if (actions) of_actions.push_back(actions->OfStyled(key, heading, clips));
     return judge::MeasureDetails(data, arguments.design, clips);
   };
   judge("mean", "mean code", judge::CodeFrom::kMean);
@@ -92,6 +108,10 @@ Status Judge(const Arguments& arguments, const std::string& command, const judge
   judge::Print(data.manifest, details);
   json["judges"] = judge::ToJson(data.manifest, sets);
   json["details"] = judge::ToJson(data.manifest, details);
+  if (actions) {
+    judge::Print(of_actions, *classifiers);
+    json["actions"] = judge::ToJson(of_actions, *classifiers);
+  }
   return Status::Ok();
 }
 
@@ -168,6 +188,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--judge-seeds", arguments.judges.count, "How many judges; figures are means")
       ->check(Whole(1, judge::kMostJudges))
+      ->capture_default_str();
+  app.add_option("--action-classifiers", arguments.action_classifiers,
+                 "How many ST-GCN classifiers of the content judge, too, as in Park et al. 2021")
+      ->check(Whole(0, judge::kMostJudges))
+      ->needs(cache)
       ->capture_default_str();
   app.add_option("--judge-iterations", arguments.judges.iterations, "Training steps of the judges")
       ->check(Number(1, 1e7))

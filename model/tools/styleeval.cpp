@@ -12,6 +12,7 @@
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
+#include "model/train/judge/action_figures.h"
 #include "model/train/judge/clip_restyler.h"
 #include "model/train/judge/codes.h"
 #include "model/train/judge/details.h"
@@ -165,6 +166,30 @@ void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
          outputs.offset_per_content, &offset);
 }
 
+// The figures of Park et al. 2021, by their kind of classifier.
+Status JudgeActions(EvalSession& session, const Outputs& outputs) {
+  const EvalArguments& arguments = session.arguments;
+  if (arguments.action_classifiers == 0) return Status::Ok();
+  const judge::Data& data = session.data;
+  judge::JudgeSettings settings = session.judges.settings();
+  settings.count = arguments.action_classifiers;
+  const auto classifiers = judge::TrainActionClassifiers(data, settings, arguments.cache);
+  if (!classifiers.ok()) return classifiers.status();
+  const judge::ActionComparison comparison(data, classifiers.value());
+  std::vector<judge::ActionFigures> sets;
+  sets.push_back(comparison.OfReal());
+  sets.push_back(comparison.OfStyled("neutral", "neutral input", judge::Unstyled(data)));
+  sets.push_back(
+      comparison.OfStyled("offset_per_content", "offset per content", outputs.offset_per_content));
+  sets.push_back(comparison.OfStyled("offset", "constant offset", outputs.offset));
+  for (const Styled& styled : outputs.styled) {
+    sets.push_back(comparison.OfStyled(styled.key, styled.heading, styled.clips));
+  }
+  judge::Print(sets, classifiers.value());
+  session.json["actions"] = judge::ToJson(sets, classifiers.value());
+  return Status::Ok();
+}
+
 void JudgeCodes(EvalSession& session, const judge::ClipRestyler& restyler) {
   const judge::CodeSpace codes =
       judge::MeasureCodes(session.data, session.judges, restyler, kVariations);
@@ -278,6 +303,8 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   outputs.offset_per_content = judge::ApplyBaseline(data, judge::OffsetPer::kContent);
   const judge::Comparison comparison(data.manifest, judges, panel.value().parts, data.judge);
   JudgeOutputs(session, comparison, outputs);
+  const Status actions = JudgeActions(session, outputs);
+  if (!actions.ok()) return actions;
   if (arguments.split == judge::kTest) {
     const Status ended = judge::EndTest(use, judge::LedgerFigures(session.json), arguments.ledger);
     if (!ended.ok()) return ended;
@@ -432,6 +459,12 @@ int main(int argc, char** argv) {
                  "How many judges: figures are their mean, with the spread of what each says")
       ->check(styled::Whole(1, styled::judge::kMostJudges))
       ->capture_default_str();
+  CLI::Option* const actions =
+      app.add_option(
+             "--action-classifiers", arguments.action_classifiers,
+             "How many ST-GCN classifiers of the content judge, too, as in Park et al. 2021")
+          ->check(styled::Whole(0, styled::judge::kMostJudges))
+          ->capture_default_str();
   app.add_option("--seed", arguments.judges.seed, "Seed of the first judge")
       ->check(styled::Whole(0, std::numeric_limits<unsigned>::max()))
       ->capture_default_str();
@@ -444,6 +477,10 @@ int main(int argc, char** argv) {
   arguments.transition_given = transition->count() > 0;
   if (cache->empty() && write_offset->empty() && judges->empty()) {
     std::cerr << "styleeval: --cache or --judges is required\n";
+    return styled::kBadArguments;
+  }
+  if (actions->count() > 0 && cache->empty()) {
+    std::cerr << "styleeval: --action-classifiers needs --cache\n";
     return styled::kBadArguments;
   }
   const bool test = arguments.split == styled::judge::kTest;

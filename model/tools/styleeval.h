@@ -28,6 +28,7 @@ struct EvalArguments {
        foreign = false;
   std::vector<std::filesystem::path> clips;
   judge::JudgeSettings judges = {.count = judge::kUsualJudges};
+  int action_classifiers = 0;
   stylist::Options stylist;
   std::string root = "follow";  // or "stride": stylist::Root
   std::string contents = "recognized";

@@ -98,7 +98,7 @@ class RecipesTest(unittest.TestCase):
         self.assertGreater(float(targets[2]), 0)
 
 
-def judged(fmd=10.0, accuracy=0.9, sha256='a', split='validation'):
+def judged(fmd=10.0, accuracy=0.9, sha256='a', split='validation', actions='c'):
     """The output of styleeval --json, as far as a table reads it; the second style has no measurements."""
     names = ('fmd', 'fmd_real_real', 'fmd_neutral_target', 'jitter_120')
     figures = {'styles': {
@@ -108,6 +108,8 @@ def judged(fmd=10.0, accuracy=0.9, sha256='a', split='validation'):
     judges.append({'key': 'legs_movement', 'value': None, 'spread': None})
     return {'styled': figures, 'noise': figures,
             'judges': [{'key': key, 'judges': judges} for key in ('styled', 'noise', 'real')],
+            'actions': {'sha256': actions, 'sets': {'noise': {'fmd': fmd / 4, 'fmd_spread': 0.5, 'accuracy': 0.8,
+                                                              'accuracy_spread': None}}},
             'codes': {'noise': {'distance_cm': 2.5}, 'examples': {'distance_cm': None}, 'real_cm': 3.0},
             'provenance': {'manifest': 'm', 'split': split, 'judges': {'sha256': sha256}, 'data': {}, 'inputs': 2}}
 
@@ -130,20 +132,23 @@ class TableTest(unittest.TestCase):
         self.assertEqual((0, ''), (done.returncode, done.stderr))
         lines = done.stdout.splitlines()
         noise, examples, real = [line.strip('| ').split(' | ') for line in lines[2:5]]
-        self.assertEqual(['by noise', '5.50 ± 0.71', '0.60 ± 0.14', '11.00 ± 1.41', '0.60 ± 0.14', '0.60 ± 0.14',
+        self.assertEqual(['by noise', '2.75 ± 0.35', '0.80 ± 0.00', '5.50 ± 0.71', '0.60 ± 0.14', '11.00 ± 1.41', '0.60 ± 0.14', '0.60 ± 0.14',
                           '0.60 ± 0.14', '-', '11.00 ± 1.41', '2.50 ± 0.00'], noise)
         half = '0.50 ± 0.04'  # over judges
-        self.assertEqual(['examples', '5.00', half, '10.00', half, half, half, '-', '10.00', '-'], examples)
-        self.assertEqual(['real', '5.00', half, '10.00', half, half, half, '-', '-', '3.00'], real)
-        self.assertEqual(['', 'Judges of SHA-256 a, m, split validation'], lines[5:])
+        self.assertEqual(['examples', '-', '-', '5.00', half, '10.00', half, half, half, '-', '10.00', '-'], examples)
+        self.assertEqual(['real', '-', '-', '5.00', half, '10.00', half, half, half, '-', '-', '3.00'], real)
+        self.assertEqual(['', 'Judges of SHA-256 a, m, split validation, action classifiers of SHA-256 c'], lines[5:])
 
     def test_what_is_not_comparable_is_refused(self):
         first, other = self.file('a', judged()), self.file('b', judged(sha256='b'))
         test = self.file('f', judged(split='test'))
+        graphs, none = self.file('g', judged(actions='d')), self.file('h', {**judged(), 'actions': {'sha256': None, 'sets': {}}})
         empty, bare = self.file('c', {}), self.file('d', {**judged(), 'noise': {}})
         listed = self.file('e', [])
         for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges: not as in {first}'),
                                 ([f'x=noise@{first},{test}'], f'{test}: split: not as in {first}'),
+                                ([f'x=noise@{first},{graphs}'], f'{graphs}: action classifiers: not as in {first}'),
+                                ([f'x=noise@{first},{none}'], f'{none}: action classifiers: not as in {first}'),
                                 ([f'x=noise@{empty}'], f"{empty}: has no key 'judges'"),
                                 ([f'x=noise@{bare}'], f"{bare}: has no key 'styles'"),
                                 ([f'x=noise@{listed}'], f'{listed}: expected what styleeval'),

@@ -178,6 +178,13 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                              JudgeKey(data, settings));
 }
 
+Result<ActionClassifiers> TrainActionClassifiers(const Data& data, const JudgeSettings& settings,
+                                                 const std::filesystem::path& cache) {
+  return ActionClassifiers::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
+                                        static_cast<int>(data.manifest.contents.size()), settings,
+                                        cache, JudgeKey(data, settings));
+}
+
 Result<std::vector<int>> StylesOf(const net::Styles& styles, const clip::Manifest& manifest) {
   std::vector<int> style_of;
   bool found = false;

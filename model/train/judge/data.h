@@ -6,6 +6,7 @@
 
 #include "model/base/status.h"
 #include "model/clip/manifest.h"
+#include "model/train/judge/action_classifier.h"
 #include "model/train/judge/judges_file.h"
 #include "model/train/judge/nets.h"
 #include "model/train/judge/report.h"
@@ -38,6 +39,8 @@ Result<Panel> TrainPanel(const Data& data, const JudgeSettings& settings,
                          const std::filesystem::path& cache);
 Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                            const std::filesystem::path& cache);
+Result<ActionClassifiers> TrainActionClassifiers(const Data& data, const JudgeSettings& settings,
+                                                 const std::filesystem::path& cache);
 
 inline constexpr int kAbsent = -1;
 

@@ -58,6 +58,10 @@ wanted=$([ -n "${recipe_needs:-}" ] && echo 2 || echo 1)
 [ ${#arguments[@]} = "$wanted" ] ||
   recipe_refuse "expected $wanted arguments, found ${#arguments[@]}; see --help"
 runs=${arguments[-1]}
+# Of evaluations by the figures of Park et al. 2021.
+recipe_actions=()
+[ -z "${recipe_action_classifiers:-}" ] || recipe_actions=(--action-classifiers "$recipe_action_classifiers")
+[ -z "${recipe_action_classifiers:-}" ] || [ "$smoke" = no ] || recipe_actions=(--action-classifiers 1)
 data=${STYLED_DATA:-}
 [ "$dry_run" = no ] || data=${data:-DIR}
 bin=${STYLED_BIN:-$root/build/release/bin}
@@ -137,7 +141,7 @@ evaluate() {
     done
     set -- "${options[@]}" --judge-iterations 2 --judge-seeds 2 --long 0
   fi
-  recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "$@"
+  recipe_run "$bin/styleeval" --data "$data" --cache "$runs/judges" "${recipe_actions[@]}" "$@"
 }
 write_judges() {
   [ "$smoke" = no ] || set -- "$@" --judge-iterations 2 --judge-seeds 2
@@ -147,7 +151,8 @@ baseline() {
   local run=$1
   shift
   [ "$smoke" = no ] || set -- "$@" --iterations 2 --judge-iterations 2 --judge-seeds 2
-  recipe_run "$bin/stylebaseline" --data "$data" --cache "$runs/judges" --out "$runs/$run" "$@"
+  recipe_run "$bin/stylebaseline" --data "$data" --cache "$runs/judges" --out "$runs/$run" \
+    "${recipe_actions[@]}" "$@"
 }
 tabulate() { recipe_run "$root/model/train/recipes/table.py" "$@"; }
 

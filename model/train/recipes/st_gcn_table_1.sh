@@ -3,6 +3,7 @@
 # weights, three rows of equal length: adversarial, cycle and identity losses; style reconstruction added;
 # diversity added, whose weight this trainer steers. STYLED_SEEDS (default "1 2 3"): runs of each row;
 # STYLED_ITERATIONS (default 2500, 1,000 of them identity alone): of each run, some 5 minutes on one core.
+recipe_action_classifiers=3
 . "$(dirname "$0")/recipe.sh"
 
 common=(--w-penalty 20 --w-smooth 0.5 --w-adversarial 2.5)

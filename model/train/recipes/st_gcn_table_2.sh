@@ -3,6 +3,7 @@
 # set 2, Style-ERD's v2, a constant offset, and real clips; all before the same judges. STYLED_SEEDS
 # (default "1 2 3"): trainings of each design; STYLED_MINUTES (default 10): of each, processor time.
 recipe_needs='WEIGHTS '
+recipe_action_classifiers=3
 . "$(dirname "$0")/recipe.sh"
 
 judged=${arguments[0]}

@@ -7,8 +7,9 @@ KEY says which of a file's sets of clips: mean, noise, styled, real, neutral, of
 Several files are runs with several seeds: their mean ± their deviation; one file: its figure ± the spread over its
 judges. Refuses files whose judges (by SHA-256), data, split or inputs differ. "-": not measured.
 
-    FMD-c      Frechet distance by the content judge's features, as Park et al. 2021 measure it; its mean over styles
+    FMD-c      Frechet distance by the content judge's features; its mean over styles
     accuracy   windows whose content is still recognized (CRA)
+    FMD-a, accuracy-a    both by ST-GCN action classifiers, as Park et al. 2021 have them (--action-classifiers)
     FMD        the same distance by an auto-encoder of rotations
     SRA        windows that are recognized as the target style
     movement, legs    the same by judges of movement alone, of the legs' pose and of the legs' movement
@@ -25,7 +26,8 @@ FMD = {'real': 'fmd_real_real', 'neutral': 'fmd_neutral_target'}
 VARIETY = {'noise': 'noise', 'styled': 'examples'}
 JUDGES = {'accuracy': 'content', 'SRA': 'style', 'movement': 'movement', 'legs, pose': 'legs_pose',
           'legs, movement': 'legs_movement'}
-COLUMNS = ['FMD-c', 'accuracy', 'FMD', 'SRA', 'movement', 'legs, pose', 'legs, movement', 'jerk', 'APD cm']
+COLUMNS = ['FMD-a', 'accuracy-a', 'FMD-c', 'accuracy', 'FMD', 'SRA', 'movement', 'legs, pose', 'legs, movement', 'jerk', 'APD cm']
+ACTIONS = 'action classifiers'
 SAME = ('manifest', 'split', 'judges', 'data', 'inputs')
 
 
@@ -47,6 +49,10 @@ def figures_of(judged, key):
     row['FMD-c'] = mean_over_styles(figures, 'content_' + fmd)
     if key not in FMD:
         row['jerk'] = mean_over_styles(figures, 'jitter_120')
+    actions = judged.get('actions', {'sets': {}})['sets'].get(key)
+    if actions:
+        row['FMD-a'], row['accuracy-a'] = actions['fmd'], actions['accuracy']
+        row['spreads'].update({'FMD-a': actions['fmd_spread'], 'accuracy-a': actions['accuracy_spread']})
     codes = judged.get('codes')
     if codes and key in VARIETY:
         row['APD cm'] = codes[VARIETY[key]]['distance_cm']
@@ -72,8 +78,10 @@ def table(rows):
         cells = [text([row[column] for row in figures], [row['spreads'].get(column) for row in figures])
                  for column in COLUMNS]
         lines.append('| ' + ' | '.join([title, *cells]) + ' |')
-    made = rows[0][2][0]['provenance']
+    made = provenance_of(rows[0][2][0])
     lines += ['', f"Judges of SHA-256 {made['judges']['sha256'][:16]}, {made['manifest']}, split {made['split']}"]
+    if made[ACTIONS]:
+        lines[-1] += f', {ACTIONS} of SHA-256 {made[ACTIONS][:16]}'
     for title, _, runs in rows:
         files = {f"{run['provenance']['weights']['file']} {run['provenance']['weights']['sha256'][:16]}"
                  for run in runs if 'weights' in run['provenance']}
@@ -83,7 +91,8 @@ def table(rows):
 
 def provenance_of(judged):
     """The values that must be the same in all files of a table."""
-    return {part: judged['provenance'][part] for part in SAME}
+    made = {part: judged['provenance'][part] for part in SAME}
+    return {**made, ACTIONS: judged.get('actions', {'sha256': None})['sha256']}
 
 
 def load(name, key):
@@ -117,7 +126,7 @@ def read(arguments):
             runs.append(load(name, key))
             made = provenance_of(runs[-1])
             first = first or (name, made)
-            for part in SAME:
+            for part in made:
                 if made[part] != first[1][part]:
                     raise ValueError(f'{name}: {part}: not as in {first[0]}')
         rows.append((title, key, runs))
