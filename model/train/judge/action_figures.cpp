@@ -9,8 +9,6 @@
 namespace styled::judge {
 namespace {
 
-constexpr std::uint64_t kIntervalSeed = 1;
-
 Eigen::MatrixXd Stacked(const std::vector<Eigen::RowVectorXd>& rows) {
   Eigen::MatrixXd samples(static_cast<Eigen::Index>(rows.size()), rows.front().cols());
   for (std::size_t i = 0; i < rows.size(); ++i) samples.row(static_cast<Eigen::Index>(i)) = rows[i];

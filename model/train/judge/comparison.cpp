@@ -8,7 +8,6 @@
 namespace styled::judge {
 namespace {
 
-constexpr std::uint64_t kSeed = 1;
 constexpr std::size_t kSetWidth = 22;   // characters of "0.72 ±0.03 [0.70 0.75]"
 constexpr std::size_t kCellWidth = 10;  // of "0.72 ±0.03"
 
@@ -84,11 +83,12 @@ class Comparison::Counts {
  private:
   JudgedShare Shares(const std::vector<ClipVerdict>& verdicts) const {
     const int contents = static_cast<int>(of_.manifest_.contents.size());
-    JudgedShare shares{.all = MacroShare(verdicts, kSeed), .by_style = {}, .by_content = {}};
+    JudgedShare shares{
+        .all = MacroShare(verdicts, kIntervalSeed), .by_style = {}, .by_content = {}};
     const auto of = [&verdicts](const auto& wanted) {
       std::vector<ClipVerdict> some;
       std::copy_if(verdicts.begin(), verdicts.end(), std::back_inserter(some), wanted);
-      return MacroShare(some, kSeed, 0);
+      return MacroShare(some, kIntervalSeed, 0);
     };
     for (int style = 0; style < static_cast<int>(of_.manifest_.styles.size()); ++style) {
       shares.by_style.push_back(

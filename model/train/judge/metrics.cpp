@@ -278,6 +278,14 @@ std::vector<double> AverageByJudge(std::span<const ClipVerdict> verdicts) {
 
 }  // namespace
 
+std::vector<ClipVerdict> OfStyle(std::span<const ClipVerdict> verdicts, int style, int contents) {
+  std::vector<ClipVerdict> of;
+  for (const ClipVerdict& verdict : verdicts) {
+    if (verdict.cell / contents == style) of.push_back(verdict);
+  }
+  return of;
+}
+
 Share MacroShare(std::span<const ClipVerdict> verdicts, std::uint64_t seed, int draws) {
   CellSums cells;
   std::vector<int> clips;

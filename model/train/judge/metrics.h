@@ -109,6 +109,10 @@ struct ClipVerdict {
   void Add(std::span<const double> hits_by_judge, double more_windows);
 };
 
+// Those whose cell, content + contents * style, is of `style`.
+std::vector<ClipVerdict> OfStyle(std::span<const ClipVerdict> verdicts, int style, int contents);
+
+inline constexpr std::uint64_t kIntervalSeed = 1;  // of every table's intervals
 // The mean over cells of each cell's share of hits, and its 95 % interval from a bootstrap over
 // clips (all verdicts of a clip are drawn together, because they are not independent). The interval
 // does not contain the spread over judges.
