@@ -52,11 +52,6 @@ const Family* FindFamily(const std::string& name) {
 
 Result<WeightsFile> ParseFor(Precision precision, std::span<const std::byte> bytes,
                              const std::string& name) {
-  if (BestKernels(precision) == nullptr) {
-    return Status::Error(name +
-                         ": bfloat16 needs a processor with AVX512-BF16, this one multiplies by " +
-                         BestKernels().target);
-  }
   Result<WeightsFile> file = ParseWeights(bytes, name);
   if (file.ok()) file.value().precision = precision;
   return file;
@@ -125,9 +120,6 @@ Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string
 
 std::string ClipFamilyNames() {
   return FamilyNames([](const Family& family) { return !IsLive(family); });
-}
-std::string RoundedFamilyNames() {
-  return FamilyNames([](const Family& family) { return family.rounds; });
 }
 std::string SpaceFamilyNames() {
   return FamilyNames([](const Family& family) { return family.space; });

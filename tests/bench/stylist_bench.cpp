@@ -2,6 +2,7 @@
 // one step of the network in plain Eigen, which serves as a unit that stays the same from commit to
 // commit. Random weights: the cost depends on shapes, not on values. No assertion on wall time.
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <chrono>
@@ -25,21 +26,50 @@ namespace {
 constexpr double kRate_hz = 120;
 
 // The networks: Style-ERD in the paper's shape and as shipped, the causal graph network as shipped,
-// the last two as one; the shipped file of styles that are measured; and the three as in the
-// daemon.
-enum Network { kPaper, kWide, kGraph, kBoth, kMeasured, kAll };
+// the last two as one; the shipped file of styles that are measured; the three as in the daemon;
+// and the second with weights in bfloat16, with AVX2 alone, and both.
+enum Network {
+  kPaper,
+  kWide,
+  kGraph,
+  kBoth,
+  kMeasured,
+  kAll,
+  kWideRounded,
+  kWideAvx2,
+  kWideRoundedAvx2
+};
+
+std::shared_ptr<const net::Stylizer> MakeNetwork(int network);
+
+// With AVX2 alone, as on a processor without AVX-512.
+std::shared_ptr<const net::Stylizer> MakeForAvx2(int network) {
+  const auto targets = [](std::int64_t set) {
+    hwy::SetSupportedTargetsForTest(set);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  };
+  targets(HWY_AVX2);
+  auto made = MakeNetwork(network);
+  targets(0);
+  return made;
+}
+
 std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
+  if (network == kWideAvx2) return MakeForAvx2(kWide);
+  if (network == kWideRoundedAvx2) return MakeForAvx2(kWideRounded);
   const auto graph = [] {
     return net::Parse(stgcn_causal::RandomWeights(7, 32, 1).Bytes(), "graph").value();
   };
-  const auto wide = [] {
+  const auto wide = [network] {
     erd::WeightsFile file = erd::RandomWeights(16, 1, erd::kWide);
     file.metadata["version"] = net::kWeightsVersion;
     file.metadata["reference"] = net::AsJson(neutral::Reference());
-    return erd::StylizerOf(file);
+    const net::Precision precision =
+        network == kWideRounded ? net::Precision::kBfloat16 : net::Precision::kFloat32;
+    return net::Parse(file.Bytes(), "wide", precision).value();
   };
   if (network == kPaper) return erd::RandomStylizer(16, 1, erd::kPaper);
-  if (network == kWide) return wide();
+  if (network == kWide || network == kWideRounded) return wide();
   if (network == kGraph) return graph();
   const auto measured = [] { return net::Load(net::FindWeights("open").value()).value(); };
   if (network == kMeasured) return measured();
@@ -106,6 +136,10 @@ BENCHMARK(WholeStylist)
     ->Args({1, 1, 1, 0})
     ->Args({1, 1, 1, 1})
     ->Args({4, 1, 1, 1})
+    ->Args({1, 0, kWideRounded, 1})
+    ->Args({1, 1, kWideRounded, 1})
+    ->Args({1, 1, kWideAvx2, 1})
+    ->Args({1, 1, kWideRoundedAvx2, 1})
     ->Args({0, 1, kGraph, 0})
     ->Args({1, 1, kGraph, 0})
     ->Args({1, 1, kBoth, 0})
@@ -157,6 +191,10 @@ BENCHMARK(Crowd)
     ->Args({kWide, 1})
     ->Args({kWide, 8})
     ->Args({kWide, 16})
+    ->Args({kWideRounded, 1})
+    ->Args({kWideRounded, 16})
+    ->Args({kWideAvx2, 16})
+    ->Args({kWideRoundedAvx2, 16})
     ->Args({kGraph, 1})
     ->Args({kGraph, 8})
     ->Args({kMeasured, 1})
@@ -186,6 +224,9 @@ void Paced(benchmark::State& state) {
 BENCHMARK(Paced)
     ->ArgName("network")
     ->Arg(kWide)
+    ->Arg(kWideRounded)
+    ->Arg(kWideAvx2)
+    ->Arg(kWideRoundedAvx2)
     ->Arg(kGraph)
     ->UseManualTime()
     ->Iterations(360)

@@ -318,7 +318,7 @@ Result<std::shared_ptr<const ShapedNetwork<kShape>>> ShapedNetwork<kShape>::Read
   ReadHeads(tensors, mean, deviation, w.heads);
   all.Finish();
   if (!faults.none()) return faults.status();
-  w.Round(*net::BestKernels(file.precision));
+  w.Round(net::BestKernels(file.precision));
   return std::shared_ptr<const ShapedNetwork>(network);
 }
 

@@ -1,6 +1,8 @@
 #include "model/net/kernels/kernel.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 // Targets with scalable vectors are disabled: such vectors cannot be stored in arrays.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
@@ -16,10 +18,6 @@
 #else
 #define STYLED_KEEP_IN_REGISTER(vector) static_cast<void>(0)
 #endif
-
-// AVX512-BF16 is written in the targets with 512 bits.
-#undef STYLED_HAS_PAIRS
-#define STYLED_HAS_PAIRS (HWY_ARCH_X86 && !HWY_COMPILER_MSVC && HWY_TARGET <= HWY_AVX3)
 
 HWY_BEFORE_NAMESPACE();
 namespace styled::net {
@@ -39,19 +37,15 @@ constexpr bool kManyRegisters = kLanes == 16;  // AVX-512 has 32
 // so that an input gives the same bits alone or in a batch.
 constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors) : 1; }
 
-// Columns of float32 that a column of a packed matrix holds.
+// Columns of float32 that a column of a packed matrix holds: of bfloat16 an even one, in the lower
+// 16 bits, and the next.
 constexpr int Together(Precision precision) { return precision == Precision::kBfloat16 ? 2 : 1; }
 
-// sum + weight factor; of pairs of bfloat16, both products of each.
-template <Precision kPrecision>
-HWY_INLINE V MultiplyAdd(V weight, V factor, V sum) {
-#if STYLED_HAS_PAIRS
-  if constexpr (kPrecision == Precision::kBfloat16) {
-    asm("vdpbf16ps %2, %1, %0" : "+v"(sum.raw) : "v"(weight.raw), "v"(factor.raw));
-    return sum;
-  }
-#endif
-  return hn::MulAdd(weight, factor, sum);
+// The weights of the even or of the odd columns of pairs, as floats.
+HWY_INLINE V Widen(V pairs, bool odd) {
+  const hn::RebindToUnsigned<D> bits;
+  const auto raw = hn::BitCast(bits, pairs);
+  return hn::BitCast(d, odd ? hn::And(raw, hn::Set(bits, 0xFFFF0000U)) : hn::ShiftLeft<16>(raw));
 }
 
 // Adds one column of a product: sum[i] += W[:, column] x[i], for `Vectors` vectors from First on.
@@ -59,9 +53,13 @@ template <Precision kPrecision, int Inputs, int First, int Vectors>
 HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t panel_stride,
                                  const std::array<const float*, Inputs>& x, int column,
                                  V (&sum)[Inputs][Vectors]) {
-  V factor[Inputs];
+  constexpr bool kPairs = kPrecision == Precision::kBfloat16;
+  V factor[Inputs], odd_factor[Inputs];
   HWY_UNROLL(4)
-  for (int i = 0; i < Inputs; ++i) factor[i] = hn::Set(d, x[i][column]);
+  for (int i = 0; i < Inputs; ++i) {
+    factor[i] = hn::Set(d, x[i][kPairs ? 2 * column : column]);
+    if constexpr (kPairs) odd_factor[i] = hn::Set(d, x[i][2 * column + 1]);
+  }
   HWY_UNROLL(32)
   for (int k = 0; k < Vectors; ++k) {
     const int v = First + k;
@@ -73,9 +71,15 @@ HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t 
       STYLED_KEEP_IN_REGISTER(weight);
       if (v * kLanes % 16 == 0) hwy::Prefetch(from + 4 * kPanelRows);
     }
-    HWY_UNROLL(4)
-    for (int i = 0; i < Inputs; ++i) {
-      sum[i][k] = MultiplyAdd<kPrecision>(weight, factor[i], sum[i][k]);
+    if constexpr (kPairs) {
+      const V even = Widen(weight, false), odd = Widen(weight, true);
+      HWY_UNROLL(4)
+      for (int i = 0; i < Inputs; ++i) {
+        sum[i][k] = hn::MulAdd(odd, odd_factor[i], hn::MulAdd(even, factor[i], sum[i][k]));
+      }
+    } else {
+      HWY_UNROLL(4)
+      for (int i = 0; i < Inputs; ++i) sum[i][k] = hn::MulAdd(weight, factor[i], sum[i][k]);
     }
   }
 }
@@ -352,7 +356,7 @@ HWY_INLINE void LstmUnits(const float* weights, const float* bias,
   }
 }
 
-template <int Units>
+template <Precision kPrecision, int Units>
 HWY_INLINE void LstmChunk(const float* weights, const float* bias,
                           std::span<const LstmOperands> states) {
   // All units read the old h, so it is copied before h is overwritten.
@@ -364,7 +368,7 @@ HWY_INLINE void LstmChunk(const float* weights, const float* bias,
     }
     from[i] = {old[i], states[i].z};
   }
-  LstmUnits<Precision::kFloat32, Units>(weights, bias, from.data(), states);
+  LstmUnits<kPrecision, Units>(weights, bias, from.data(), states);
 }
 
 // Calls run(units, states) for at most kMostStates at a time.
@@ -378,58 +382,48 @@ HWY_INLINE void LstmOf(int units, std::span<const LstmOperands> states, const Ru
   }
 }
 
+template <Precision kPrecision>
 void Lstm(int units, const float* weights, const float* bias,
           std::span<const LstmOperands> states) noexcept {
-  LstmOf(units, states,
-         [=](auto n, std::span<const LstmOperands> some) { LstmChunk<n>(weights, bias, some); });
+  LstmOf(units, states, [=](auto n, std::span<const LstmOperands> some) {
+    LstmChunk<kPrecision, n>(weights, bias, some);
+  });
 }
 
-#if STYLED_HAS_PAIRS
-// The instructions of AVX512-BF16 are written out: Highway has them in no target of its own, and
-// the rest of a kernel is the same. BestKernels gives the table only where the processor has them.
-
-// Rounds floats to pairs of bfloat16; an odd last one is paired with 0. Writes whole vectors.
-HWY_INLINE void ToPairs(const float* x, int count, float* pairs) {
-  const auto some = [](const float* from, float* to) {
-    const V low = hn::LoadU(d, from), high = hn::LoadU(d, from + kLanes);
-    V both;
-    asm("vcvtne2ps2bf16 %1, %2, %0" : "=v"(both.raw) : "v"(low.raw), "v"(high.raw));
-    hn::Store(both, d, to);
-  };
-  int i = 0;
-  for (; i + 2 * kLanes <= count; i += 2 * kLanes) some(x + i, pairs + i / 2);
-  if (i == count) return;
-  alignas(64) float rest[2 * kLanes] = {};
-  std::copy(x + i, x + count, rest);
-  some(rest, pairs + i / 2);
+// The nearest bfloat16, of two that are as near the even one; its 16 bits.
+std::uint32_t Bfloat16(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  return (bits + 0x7FFFU + (bits >> 16 & 1U)) >> 16;
 }
 
-// The columns of a panel two by two, in place.
+// The columns of a panel two by two, in place; an odd last one is paired with 0.
 void PackPairs(float* weights, int panels, int columns) noexcept {
   float* to = weights;
   for (int panel = 0; panel < panels; ++panel) {
     for (int column = 0; column < columns; column += 2) {
-      alignas(64) float two[2 * kPanelRows] = {}, pairs[kPanelRows];
+      const bool two = column + 1 < columns;
       for (int row = 0; row < kPanelRows; ++row) {
-        two[2 * row] = weights[row];
-        if (column + 1 < columns) two[2 * row + 1] = weights[kPanelRows + row];
+        const std::uint32_t odd = two ? Bfloat16(weights[kPanelRows + row]) : 0;
+        *to++ = std::bit_cast<float>(odd << 16 | Bfloat16(weights[row]));
       }
-      ToPairs(two, 2 * kPanelRows, pairs);
-      to = std::copy_n(pairs, kPanelRows, to);
-      weights += column + 1 < columns ? 2 * kPanelRows : kPanelRows;
+      weights += two ? 2 * kPanelRows : kPanelRows;
     }
   }
 }
 
 void AffinePairs(const float* weights, int panels, int columns, std::span<const Operands> inputs,
                  bool relu) noexcept {
-  constexpr std::size_t kMost = 2 * kMostStates;
-  alignas(64) float x[kMost][kMostColumns / 2];
-  std::array<Operands, kMost> some;
+  if (columns % 2 == 0) {
+    return AffineAll<Precision::kBfloat16>(weights, panels, columns / 2, inputs, relu);
+  }
+  // The last pair needs a second input, which is 0.
+  alignas(64) float x[kMostStates][kMostColumns];
+  std::array<Operands, kMostStates> some;
   while (!inputs.empty()) {
-    const std::size_t count = HWY_MIN(inputs.size(), kMost);
+    const std::size_t count = HWY_MIN(inputs.size(), kMostStates);
     for (std::size_t i = 0; i < count; ++i) {
-      ToPairs(inputs[i].x, columns, x[i]);
+      std::copy_n(inputs[i].x, columns, x[i]);
+      x[i][columns] = 0;
       some[i] = {inputs[i].bias, x[i], inputs[i].y};
     }
     AffineAll<Precision::kBfloat16>(weights, panels, (columns + 1) / 2,
@@ -437,27 +431,6 @@ void AffinePairs(const float* weights, int panels, int columns, std::span<const 
     inputs = inputs.subspan(count);
   }
 }
-
-template <int Units>
-HWY_INLINE void LstmChunkOfPairs(const float* weights, const float* bias,
-                                 std::span<const LstmOperands> states) {
-  alignas(64) float pairs[kMostStates][2][Units / 2];
-  std::array<std::array<const float*, 2>, kMostStates> from;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    ToPairs(states[i].h, Units, pairs[i][0]);
-    ToPairs(states[i].z, Units, pairs[i][1]);
-    from[i] = {pairs[i][0], pairs[i][1]};
-  }
-  LstmUnits<Precision::kBfloat16, Units>(weights, bias, from.data(), states);
-}
-
-void LstmPairs(int units, const float* weights, const float* bias,
-               std::span<const LstmOperands> states) noexcept {
-  LstmOf(units, states, [=](auto n, std::span<const LstmOperands> some) {
-    LstmChunkOfPairs<n>(weights, bias, some);
-  });
-}
-#endif  // STYLED_HAS_PAIRS
 
 // q / |q|. An estimate of 1 / |q| (8 bits on some targets) with two Newton steps is faster than a
 // square root and a division.
@@ -493,20 +466,12 @@ void Normalize(const float* quaternions, int count, float* unit) noexcept {
 
 }  // namespace
 
-const Kernels& TargetKernels() {
-  static const Kernels kernels{
-      hwy::TargetName(HWY_TARGET), Affine, Standardize, Lstm, Normalize, nullptr};
-  return kernels;
-}
-
-const Kernels* TargetPairs() {
-#if STYLED_HAS_PAIRS
-  static const Kernels kernels{"AVX512-BF16", AffinePairs, Standardize,
-                               LstmPairs,     Normalize,   PackPairs};
-  return &kernels;
-#else
-  return nullptr;
-#endif
+const Kernels& TargetKernels(Precision precision) {
+  static const Kernels of_floats{hwy::TargetName(HWY_TARGET), Affine,    Standardize,
+                                 Lstm<Precision::kFloat32>,   Normalize, nullptr};
+  static const Kernels of_pairs{hwy::TargetName(HWY_TARGET), AffinePairs, Standardize,
+                                Lstm<Precision::kBfloat16>,  Normalize,   PackPairs};
+  return precision == Precision::kBfloat16 ? of_pairs : of_floats;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -516,16 +481,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace styled::net {
 HWY_EXPORT(TargetKernels);
-HWY_EXPORT(TargetPairs);
 
-const Kernels& BestKernels() { return HWY_DYNAMIC_DISPATCH(TargetKernels)(); }
-
-const Kernels* BestKernels(Precision precision) {
-  if (precision == Precision::kFloat32) return &BestKernels();
-#if HWY_ARCH_X86 && !HWY_COMPILER_MSVC
-  if (__builtin_cpu_supports("avx512bf16")) return HWY_DYNAMIC_DISPATCH(TargetPairs)();
-#endif
-  return nullptr;
+const Kernels& BestKernels(Precision precision) {
+  return HWY_DYNAMIC_DISPATCH(TargetKernels)(precision);
 }
 }  // namespace styled::net
 #endif

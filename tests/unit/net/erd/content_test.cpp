@@ -263,9 +263,6 @@ TEST(Content, AStateOfManyDaysIsStillSound) {
 
 // bfloat16 has 8 significant bits: as far from float32 as without contents.
 TEST(Content, RunsInBfloat16) {
-  if (net::BestKernels(net::Precision::kBfloat16) == nullptr) {
-    GTEST_SKIP() << "this machine cannot multiply bfloat16";
-  }
   const auto largest = [](const WeightsFile& file) {
     const std::vector<std::byte> bytes = file.Bytes();
     auto parsed = net::ParseWeights(bytes, "random");

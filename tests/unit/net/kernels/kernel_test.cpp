@@ -122,15 +122,11 @@ TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
 }
 
 TEST(Kernels, AffineOfBfloat16OfAnySize) {
-  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
-  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
-  CheckAffineOfAnySize(*rounded);
+  OnEachTarget([] { CheckAffineOfAnySize(BestKernels(Precision::kBfloat16)); });
 }
 
 // Of two that are as near, the even one.
 TEST(Kernels, Bfloat16IsTheNearest) {
-  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
-  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
   constexpr float kStep = 1.0F / 128;  // between numbers from 1 to 2
   const std::pair<float, float> cases[] = {{1 + kStep, 1 + kStep},
                                            {1 + 0.49F * kStep, 1},
@@ -139,16 +135,34 @@ TEST(Kernels, Bfloat16IsTheNearest) {
                                            {1 + 1.5F * kStep, 1 + 2 * kStep},
                                            {-1 - 0.51F * kStep, -1 - kStep}};
   for (const auto& [from, to] : cases) {
-    Aligned weights(2 * kPanelRows), bias(kPanelRows), x(2), y(kPanelRows);
-    x[0] = from;  // times 1
-    x[1] = 1;     // times `from`
-    weights[0] = 1;
-    weights[kPanelRows] = from;
-    rounded->pack(weights.data(), 1, 2);
-    const Operands one{bias.data(), x.data(), y.data()};
-    rounded->affine(weights.data(), 1, 2, {&one, 1}, false);
-    EXPECT_EQ(y[0], 2 * to) << from;
+    OnEachTarget([&, from = from, to = to] {
+      const Kernels& kernels = BestKernels(Precision::kBfloat16);
+      Aligned weights(2 * kPanelRows), bias(kPanelRows), x(2), y(kPanelRows);
+      x[0] = 1;
+      weights[0] = from;
+      weights[kPanelRows] = from;
+      kernels.pack(weights.data(), 1, 2);
+      const Operands one{bias.data(), x.data(), y.data()};
+      kernels.affine(weights.data(), 1, 2, {&one, 1}, false);
+      EXPECT_EQ(y[0], to) << kernels.target << ' ' << from;
+      std::swap(x[0], x[1]);
+      kernels.affine(weights.data(), 1, 2, {&one, 1}, false);
+      EXPECT_EQ(y[0], to) << kernels.target << ", second, " << from;
+    });
   }
+}
+
+// Only the weights are rounded.
+TEST(Kernels, InputsOfBfloat16AreFloats) {
+  OnEachTarget([] {
+    Aligned weights(kPanelRows), bias(kPanelRows), x(1), y(kPanelRows);
+    x[0] = 1.0F / 3;
+    weights[0] = 1;
+    BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 1);
+    const Operands one{bias.data(), x.data(), y.data()};
+    BestKernels(Precision::kBfloat16).affine(weights.data(), 1, 1, {&one, 1}, false);
+    EXPECT_EQ(y[0], x[0]);
+  });
 }
 
 TEST(Kernels, StandardizeClampsAndReadsNotANumberAsTheMean) {
@@ -250,10 +264,10 @@ TEST(Kernels, LstmLayerIsThatOfTheEquations) {
 }
 
 TEST(Kernels, LstmLayerOfBfloat16IsThatOfTheEquations) {
-  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
-  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
-  ExpectLayerOfTheEquations<32>(*rounded);
-  ExpectLayerOfTheEquations<64>(*rounded);
+  OnEachTarget([] {
+    ExpectLayerOfTheEquations<32>(BestKernels(Precision::kBfloat16));
+    ExpectLayerOfTheEquations<64>(BestKernels(Precision::kBfloat16));
+  });
 }
 
 template <int Units>
@@ -294,10 +308,10 @@ TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
 }
 
 TEST(Kernels, LstmStatesOfBfloat16TogetherAreBitForBitThoseAlone) {
-  const Kernels* const rounded = BestKernels(Precision::kBfloat16);
-  if (rounded == nullptr) GTEST_SKIP() << "no AVX512-BF16";
-  ExpectStatesTogetherAsAlone<32>(*rounded);
-  ExpectStatesTogetherAsAlone<64>(*rounded);
+  OnEachTarget([] {
+    ExpectStatesTogetherAsAlone<32>(BestKernels(Precision::kBfloat16));
+    ExpectStatesTogetherAsAlone<64>(BestKernels(Precision::kBfloat16));
+  });
 }
 
 // With open gates and zero weights, c' is tanh of the cell gate: only the approximation.
