@@ -56,8 +56,8 @@ void Examination::Lateness() {
     Report(Severity::kWarning, Step::kFrames, nullptr, "overload",
            "The machine is overloaded: the style of " + relieved + " is faded out.",
            "Otherwise frames of all performers would be late (pipeline.overload_bypassed_frames).",
-           "Use fewer performers, a faster machine, or model.precision = \"bfloat16\" if the "
-           "processor has AVX512-BF16. realtime.relieve = false keeps styles on and frames late.");
+           "Use fewer performers or a faster machine. realtime.relieve = false keeps styles on and "
+           "frames late.");
   }
 }
 

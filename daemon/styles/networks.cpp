@@ -26,7 +26,7 @@ struct Beside {
 constexpr std::array kBeside{Beside{"examples", "graph", &config::Model::examples},
                              Beside{"gaits", "open", &config::Model::gaits}};
 
-bool Rounds(const config::Model& model) { return model.precision != config::Model().precision; }
+bool Rounds(const config::Model& model) { return model.precision == "bfloat16"; }
 
 // The suffix of the file name when the weights are rounded; "" when they are not.
 std::string RoundedTo(const config::Model& model, std::span<const std::byte> bytes) {
@@ -80,7 +80,6 @@ Result<Networks> ReadNetworks(const config::Model& model,
   Networks networks;
   std::vector<std::vector<std::byte>> contents;
   std::vector<std::uint32_t> tensors, parts;
-  bool any_rounded = false;
   for (const std::filesystem::path& file : files.value()) {
     auto bytes = net::ReadFile(file);
     if (!bytes.ok()) return bytes.status();
@@ -89,7 +88,6 @@ Result<Networks> ReadNetworks(const config::Model& model,
     const std::string rounded = RoundedTo(model, bytes.value());
     // Weights that are rounded are others: no checkpoint of one network fits the other.
     if (!rounded.empty()) parts.push_back(Crc32c(std::as_bytes(std::span(rounded))));
-    any_rounded = any_rounded || !rounded.empty();
     contents.push_back(std::move(bytes.value()));
     networks.names += (networks.names.empty() ? "" : "+") + file.filename().string() + rounded;
   }
@@ -107,11 +105,6 @@ Result<Networks> ReadNetworks(const config::Model& model,
                            "\" takes no examples; expected weights that have a style encoder");
     }
     named.push_back({files.value()[i].stem().string(), std::move(network.value())});
-  }
-  if (Rounds(model) && !any_rounded) {
-    return Status::Error("model.precision: \"" + model.precision +
-                         "\" rounds weights of the family " + net::RoundedFamilyNames() +
-                         " alone, and " + networks.names + " has none of it");
   }
   // As in several_space.h: the first network whose codes depend on its weights, if there is one.
   networks.examples_hash = HashText(tensors.front());

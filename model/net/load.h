@@ -43,10 +43,8 @@ Result<AnyStylizer> LoadAny(const std::filesystem::path& file,
 Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name,
                              Precision precision = Precision::kFloat32);
 
-// The families whose networks need whole clips, know a space of styles, or have weights that can be
-// rounded, for messages: "\"a\" or \"b\"".
+// The families whose networks need whole clips, or know a space of styles, for messages: "\"a\" or \"b\"".
 std::string ClipFamilyNames();
-std::string RoundedFamilyNames();
 std::string SpaceFamilyNames();
 
 }  // namespace styled::net

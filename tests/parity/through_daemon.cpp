@@ -16,14 +16,21 @@ constexpr const char* kName = "dancer";
 constexpr const char* kPerformer = "tcp.dancer";
 
 // Publishes the network's output unchanged: no low-pass, no fade, no feet, no pose out of domain.
-const std::vector<std::string> kSettings{
-    "model.change_tau_ms=0",    "model.out_of_domain_end_rad=4.0",
-    "model.limb_gate=false",    "model.out_of_domain_begin_rad=3.9",
-    "model.tilt_end_rad=4.0",   "model.tilt_begin_rad=3.9",
-    "model.ground=false",       "model.feet=false",
-    "model.knees=false",        "model.neutral=false",
-    "model.posture=0",          "performers.stale_ms=60000",
-    "performers.late_ms=10000", "performers.backlog_ms=10000"};
+const std::vector<std::string> kSettings{"model.precision=float32",
+                                         "model.change_tau_ms=0",
+                                         "model.out_of_domain_end_rad=4.0",
+                                         "model.limb_gate=false",
+                                         "model.out_of_domain_begin_rad=3.9",
+                                         "model.tilt_end_rad=4.0",
+                                         "model.tilt_begin_rad=3.9",
+                                         "model.ground=false",
+                                         "model.feet=false",
+                                         "model.knees=false",
+                                         "model.neutral=false",
+                                         "model.posture=0",
+                                         "performers.stale_ms=60000",
+                                         "performers.late_ms=10000",
+                                         "performers.backlog_ms=10000"};
 
 std::string BodyOf(const clip::Clip& clip) {
   v1::Body body;
