@@ -11,6 +11,7 @@
 
 #include "model/net/erd/weights.h"
 #include "model/net/kernels/kernel.h"
+#include "model/net/weights_file.h"
 #include "tests/bench/plain_step.h"
 #include "tests/bench/step_run.h"
 
@@ -23,6 +24,17 @@ struct OurRun : StepRun {
 
 struct WideRun : StepRunOf<kWide> {
   explicit WideRun(int styles) : StepRunOf(RandomWideNetwork(16, 1), styles) {}
+};
+
+// As shipped: wide, with weights in bfloat16.
+struct ShippedRun : StepRunOf<kWide> {
+  static std::shared_ptr<const WideNetwork> Network() {
+    const std::vector<std::byte> bytes = RandomWeights(16, 1, kWide).Bytes();
+    auto file = net::ParseWeights(bytes, "random");
+    file.value().precision = net::Precision::kBfloat16;
+    return WideNetwork::Read(file.value()).value();
+  }
+  explicit ShippedRun(int styles) : StepRunOf(Network(), styles) {}
 };
 
 // The same network with a content input, which it recognizes.
@@ -70,10 +82,11 @@ void Cold(benchmark::State& state) {
 // The lower bound from memory: the bytes of a step's weights, read once, in order.
 template <int Rows, int Columns>
 constexpr std::size_t kBytes = sizeof(net::PackedMatrix<Rows, Columns>);
+template <Shape kShape>
 constexpr std::size_t StepBytes(std::size_t styles) {
-  constexpr int kZ = kPaper.latent;
-  constexpr auto kWidths = kPaper.decoder;
-  return kBytes<kPaper.encoder, kFeatureCount> + kBytes<kZ, kPaper.encoder> +
+  constexpr int kZ = kShape.latent;
+  constexpr auto kWidths = kShape.decoder;
+  return kBytes<kShape.encoder, kFeatureCount> + kBytes<kZ, kShape.encoder> +
          (kNeutralLayers + styles * kStyleLayers) * kBytes<4 * kZ, 2 * kZ> +
          kBytes<kWidths[0], kZ> + kBytes<kWidths[1], kWidths[0]> + kBytes<kWidths[2], kWidths[1]> +
          kBytes<kHeads, kWidths[2]>;
@@ -99,8 +112,10 @@ STYLED_EACH_WIDTH std::uint32_t ReadAll(const Words* words, std::size_t count) {
   return sums[0][0] ^ sums[0][7] ^ sums[0][15];
 }
 
+// `kParts`: of a float32, 2 for weights in bfloat16.
+template <Shape kShape, std::size_t kParts>
 void ReadWeights(benchmark::State& state) {
-  const std::size_t bytes = StepBytes(static_cast<std::size_t>(state.range(0)));
+  const std::size_t bytes = StepBytes<kShape>(static_cast<std::size_t>(state.range(0))) / kParts;
   std::vector<Words> words(bytes / sizeof(Words), Words{} + 1);
   for (auto _ : state) benchmark::DoNotOptimize(ReadAll(words.data(), words.size()));
   state.counters["kB"] = static_cast<double>(bytes) * 1e-3;
@@ -118,7 +133,8 @@ STYLED_EACH_WIDTH float MultiplyAll(std::size_t count, float factor) {
 
 // The other bound: the same number of multiplications and additions, from registers.
 void MultiplyWeights(benchmark::State& state) {
-  const std::size_t floats = StepBytes(static_cast<std::size_t>(state.range(0))) / sizeof(float);
+  const std::size_t floats =
+      StepBytes<kPaper>(static_cast<std::size_t>(state.range(0))) / sizeof(float);
   float factor = 0.5F;
   for (auto _ : state) {
     benchmark::DoNotOptimize(factor);
@@ -205,7 +221,9 @@ BENCHMARK(Hot<ContentsRun<5>>)->Apply(Styles);
 BENCHMARK(Hot<ContentsRun<64>>)->Apply(Styles);
 BENCHMARK(Hot<WideRun>)->Apply(Styles);
 BENCHMARK(Hot<PlainRun>)->Apply(Styles);
-BENCHMARK(ReadWeights)->Apply(Styles);
+BENCHMARK(ReadWeights<kPaper, 1>)->Name("ReadWeights")->Apply(Styles);
+BENCHMARK(Hot<ShippedRun>)->Apply(Styles);
+BENCHMARK(ReadWeights<kWide, 2>)->Name("ReadWeights<ShippedRun>")->Apply(Styles);
 BENCHMARK(MultiplyWeights)->Apply(Styles);
 void Performers(benchmark::internal::Benchmark* bench) {
   bench->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
@@ -215,8 +233,11 @@ BENCHMARK(Crowd<OurRun, true>)->Apply(Performers);
 BENCHMARK(Crowd<ContentsRun<5>, true>)->Apply(Performers);
 BENCHMARK(Crowd<WideRun, false>)->Apply(Performers);
 BENCHMARK(Crowd<WideRun, true>)->Apply(Performers);
+BENCHMARK(Crowd<ShippedRun, false>)->Apply(Performers);
+BENCHMARK(Crowd<ShippedRun, true>)->Apply(Performers);
 BENCHMARK(Cold<OurRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<WideRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
+BENCHMARK(Cold<ShippedRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<PlainRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Paced)
     ->ArgNames({"before_us", "polled"})

@@ -142,13 +142,12 @@ class TableTest(unittest.TestCase):
     def test_what_is_not_comparable_is_refused(self):
         first, other = self.file('a', judged()), self.file('b', judged(sha256='b'))
         test = self.file('f', judged(split='test'))
-        graphs, none = self.file('g', judged(actions='d')), self.file('h', {**judged(), 'actions': {'sha256': None, 'sets': {}}})
+        graphs = self.file('g', judged(actions='d'))
         empty, bare = self.file('c', {}), self.file('d', {**judged(), 'noise': {}})
         listed = self.file('e', [])
         for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges: not as in {first}'),
                                 ([f'x=noise@{first},{test}'], f'{test}: split: not as in {first}'),
                                 ([f'x=noise@{first},{graphs}'], f'{graphs}: action classifiers: not as in {first}'),
-                                ([f'x=noise@{first},{none}'], f'{none}: action classifiers: not as in {first}'),
                                 ([f'x=noise@{empty}'], f"{empty}: has no key 'judges'"),
                                 ([f'x=noise@{bare}'], f"{bare}: has no key 'styles'"),
                                 ([f'x=noise@{listed}'], f'{listed}: expected what styleeval'),

@@ -32,7 +32,7 @@ SAME = ('manifest', 'split', 'judges', 'data', 'inputs')
 
 
 def mean_over_styles(figures, name):
-    found = [style[name] for style in figures['styles'].values() if style[name] is not None]
+    found = [style[name] for style in figures['styles'].values() if style.get(name) is not None]
     return statistics.fmean(found) if found else None
 
 
@@ -47,6 +47,9 @@ def figures_of(judged, key):
     fmd = FMD.get(key, 'fmd')
     row['FMD'] = mean_over_styles(figures, fmd)
     row['FMD-c'] = mean_over_styles(figures, 'content_' + fmd)
+    # Judges agree on which style is how far, not on the unit: the mean of the styles' spreads is that of their mean.
+    row['spreads']['FMD'] = mean_over_styles(figures, fmd + '_spread')
+    row['spreads']['FMD-c'] = mean_over_styles(figures, 'content_' + fmd + '_spread')
     if key not in FMD:
         row['jerk'] = mean_over_styles(figures, 'jitter_120')
     actions = judged.get('actions', {'sets': {}})['sets'].get(key)
@@ -127,6 +130,8 @@ def read(arguments):
             made = provenance_of(runs[-1])
             first = first or (name, made)
             for part in made:
+                if part == ACTIONS and None in (made[part], first[1][part]):
+                    continue  # "-" in its columns
                 if made[part] != first[1][part]:
                     raise ValueError(f'{name}: {part}: not as in {first[0]}')
         rows.append((title, key, runs))
