@@ -41,11 +41,11 @@ constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors
 // 16 bits, and the next.
 constexpr int Together(Precision precision) { return precision == Precision::kBfloat16 ? 2 : 1; }
 
-// The weights of the even or of the odd columns of pairs, as floats.
-HWY_INLINE V Widen(V pairs, bool odd) {
+// The weights of the even columns of pairs, as floats. Those of the odd columns are the pairs
+// themselves: PackPairs has rounded them so that the even ones in their lower bits are right.
+HWY_INLINE V Even(V pairs) {
   const hn::RebindToUnsigned<D> bits;
-  const auto raw = hn::BitCast(bits, pairs);
-  return hn::BitCast(d, odd ? hn::And(raw, hn::Set(bits, 0xFFFF0000U)) : hn::ShiftLeft<16>(raw));
+  return hn::BitCast(d, hn::ShiftLeft<16>(hn::BitCast(bits, pairs)));
 }
 
 // Adds one column of a product: sum[i] += W[:, column] x[i], for `Vectors` vectors from First on.
@@ -72,10 +72,10 @@ HWY_INLINE void AccumulateColumn(const float* HWY_RESTRICT weights, std::size_t 
       if (v * kLanes % 16 == 0) hwy::Prefetch(from + 4 * kPanelRows);
     }
     if constexpr (kPairs) {
-      const V even = Widen(weight, false), odd = Widen(weight, true);
+      const V even = Even(weight);
       HWY_UNROLL(4)
       for (int i = 0; i < Inputs; ++i) {
-        sum[i][k] = hn::MulAdd(odd, odd_factor[i], hn::MulAdd(even, factor[i], sum[i][k]));
+        sum[i][k] = hn::MulAdd(weight, odd_factor[i], hn::MulAdd(even, factor[i], sum[i][k]));
       }
     } else {
       HWY_UNROLL(4)
@@ -396,6 +396,17 @@ std::uint32_t Bfloat16(float x) {
   return (bits + 0x7FFFU + (bits >> 16 & 1U)) >> 16;
 }
 
+// The upper 16 bits with which a float with these lower bits is nearest to x: as near as a bfloat16
+// is. Near 0 it is the least normal number, because subnormal ones would cost time.
+std::uint32_t UpperBits(float x, std::uint32_t lower) {
+  constexpr std::uint32_t kLeast = 0x0080;
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const std::uint32_t sign = bits >> 31 << 15, magnitude = bits & 0x7FFFFFFFU;
+  if (magnitude == 0 && lower == 0) return 0;
+  if (magnitude < (kLeast + 1) << 16) return sign | kLeast;
+  return sign | (magnitude - lower + 0x8000U) >> 16;
+}
+
 // The columns of a panel two by two, in place; an odd last one is paired with 0.
 void PackPairs(float* weights, int panels, int columns) noexcept {
   float* to = weights;
@@ -403,8 +414,9 @@ void PackPairs(float* weights, int panels, int columns) noexcept {
     for (int column = 0; column < columns; column += 2) {
       const bool two = column + 1 < columns;
       for (int row = 0; row < kPanelRows; ++row) {
-        const std::uint32_t odd = two ? Bfloat16(weights[kPanelRows + row]) : 0;
-        *to++ = std::bit_cast<float>(odd << 16 | Bfloat16(weights[row]));
+        const std::uint32_t even = Bfloat16(weights[row]);
+        const std::uint32_t odd = UpperBits(two ? weights[kPanelRows + row] : 0.0F, even);
+        *to++ = std::bit_cast<float>(odd << 16 | even);
       }
       weights += two ? 2 * kPanelRows : kPanelRows;
     }
