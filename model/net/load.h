@@ -19,7 +19,7 @@ namespace styled::net {
 // by tests/unit/net/load_test.cpp.
 //
 // `precision`: to which a network of a family that CanBeRounded rounds its weights; the others have
-// float32 always. An error where the processor has no products of such numbers.
+// float32 always.
 Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file,
                                              Precision precision = Precision::kFloat32);
 Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
@@ -43,7 +43,8 @@ Result<AnyStylizer> LoadAny(const std::filesystem::path& file,
 Result<AnyStylizer> ParseAny(std::span<const std::byte> bytes, const std::string& name,
                              Precision precision = Precision::kFloat32);
 
-// The families whose networks need whole clips, or know a space of styles, for messages: "\"a\" or \"b\"".
+// The families whose networks need whole clips, or know a space of styles, for messages:
+// "\"a\" or \"b\"".
 std::string ClipFamilyNames();
 std::string SpaceFamilyNames();
 

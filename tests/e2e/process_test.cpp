@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "model/net/kernels/kernel.h"
 #include "tests/support/daemon.h"
 #include "tests/support/rig.h"
 #include "tests/unit/net/erd/random_weights.h"
@@ -87,12 +86,14 @@ TEST(ProcessTest, SighupTakesOverAGoodConfigurationAndFramesGoOn) {
   ASSERT_TRUE(subscriber.WaitForFrames(180, "styled/"));
 }
 
-TEST(ProcessTest, SighupRoundsTheWeights) {
+TEST(ProcessTest, SighupChangesThePrecisionOfTheWeights) {
   Daemon daemon;
   ControlClient control(daemon.control);
-  daemon.Configure("[model]\nprecision = \"bfloat16\"\n");
+  EXPECT_TRUE(LogSays(daemon, "weights.safetensors in bfloat16")) << daemon.Log();
+  daemon.Configure("[model]\nprecision = \"float32\"\n");
   daemon.child->Signal(SIGHUP);
-  EXPECT_TRUE(LogSays(daemon, "reloaded: weights weights.safetensors in bfloat16")) << daemon.Log();
+  EXPECT_TRUE(LogSays(daemon, "reloaded: weights weights.safetensors")) << daemon.Log();
+  EXPECT_EQ(daemon.Log().find("reloaded: weights weights.safetensors in"), std::string::npos);
   EXPECT_EQ(control.CounterSoon("config.reloads", 1), 1U);
 }
 

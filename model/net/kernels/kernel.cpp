@@ -41,8 +41,9 @@ constexpr int Sets(int vectors) { return kManyRegisters ? HWY_MAX(1, 8 / vectors
 // 16 bits, and the next.
 constexpr int Together(Precision precision) { return precision == Precision::kBfloat16 ? 2 : 1; }
 
-// The weights of the even columns of pairs, as floats. Those of the odd columns are the pairs
-// themselves: PackPairs has rounded them so that the even ones in their lower bits are right.
+// The weights of the even columns of pairs, as floats. A weight of an odd column is all 32 bits of
+// its pair: the even one in the lower half is the end of its mantissa, and PackPairs has chosen the
+// upper half accordingly.
 HWY_INLINE V Even(V pairs) {
   const hn::RebindToUnsigned<D> bits;
   return hn::BitCast(d, hn::ShiftLeft<16>(hn::BitCast(bits, pairs)));
@@ -390,21 +391,26 @@ void Lstm(int units, const float* weights, const float* bias,
   });
 }
 
-// The nearest bfloat16, of two that are as near the even one; its 16 bits.
+// The upper 16 bits of the least normal number (smaller ones would cost time) and of the largest
+// bfloat16.
+constexpr std::uint32_t kLeast = 0x0080, kLargest = 0x7F7F;
+
+// The nearest finite bfloat16, ties to even; its 16 bits. Subnormal numbers become 0.
 std::uint32_t Bfloat16(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
-  return (bits + 0x7FFFU + (bits >> 16 & 1U)) >> 16;
+  const std::uint32_t sign = bits >> 31 << 15, magnitude = bits & 0x7FFFFFFFU;
+  if (magnitude < kLeast << 16) return sign;
+  return sign | HWY_MIN((magnitude + 0x7FFFU + (magnitude >> 16 & 1U)) >> 16, kLargest);
 }
 
-// The upper 16 bits with which a float with these lower bits is nearest to x: as near as a bfloat16
-// is. Near 0 it is the least normal number, because subnormal ones would cost time.
+// The upper 16 bits with which a finite float with these lower bits is nearest to x: as near as a
+// bfloat16 is. Near 0 it is the least normal number.
 std::uint32_t UpperBits(float x, std::uint32_t lower) {
-  constexpr std::uint32_t kLeast = 0x0080;
   const auto bits = std::bit_cast<std::uint32_t>(x);
   const std::uint32_t sign = bits >> 31 << 15, magnitude = bits & 0x7FFFFFFFU;
   if (magnitude == 0 && lower == 0) return 0;
   if (magnitude < (kLeast + 1) << 16) return sign | kLeast;
-  return sign | (magnitude - lower + 0x8000U) >> 16;
+  return sign | HWY_MIN((magnitude - lower + 0x8000U) >> 16, kLargest);
 }
 
 // The columns of a panel two by two, in place; an odd last one is paired with 0.

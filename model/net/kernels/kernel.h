@@ -33,9 +33,8 @@ struct alignas(64) PackedMatrix : std::array<float, std::size_t{PaddedRows(Rows)
 constexpr int LstmRow(int gate, int unit) { return (unit / 16 * 4 + gate) * 16 + unit % 16; }
 
 // The precision to which weights are rounded; inputs, sums, states and activations are float32 in
-// either. bfloat16 has 8 significant bits and halves the memory traffic of the weights, which are
-// widened after loading. (Products of AVX512-BF16, which round the inputs, too, were no faster:
-// one performer's frame 0.95 of the time, sixteen together 1.09.)
+// either. bfloat16, as near as 8 significant bits, halves the memory traffic of the weights, which
+// are widened after loading.
 enum class Precision { kFloat32, kBfloat16 };
 
 // One input of a product and the place of its result. `bias` and `y` are padded to whole panels,
@@ -77,7 +76,7 @@ struct Kernels {
   void (*pack)(float* weights, int panels, int columns) noexcept;
 };
 
-// The most columns, where their number is odd, of a matrix that is rounded.
+// The most columns of a matrix that is rounded.
 inline constexpr int kMostColumns = 512;
 
 // The fastest table of this precision that this machine supports. Call at start-up only.

@@ -133,8 +133,8 @@ TEST(Kernels, AffineOfBfloat16OfAnySize) {
   OnEachTarget([] { CheckAffineOfAnySize(BestKernels(Precision::kBfloat16)); });
 }
 
-// The first of a pair is the nearest bfloat16, of two that are as near the even one; the second is
-// as near, and keeps the first in its lower bits.
+// The first of a pair is the nearest bfloat16, ties to even; the second is as near, and keeps the
+// first in its lower bits.
 TEST(Kernels, Bfloat16IsTheNearest) {
   constexpr float kStep = 1.0F / 128;  // between numbers from 1 to 2
   const std::pair<float, float> cases[] = {{1 + kStep, 1 + kStep},
@@ -160,19 +160,24 @@ TEST(Kernels, Bfloat16IsTheNearest) {
   }
 }
 
-// Zeros and the smallest numbers beside anything: no subnormal number, which would be slow.
-TEST(Kernels, NoPackedWeightIsSubnormal) {
-  const float numbers[] = {0.0F, -0.0F, 1e-45F, -1e-40F, 2e-38F, -2e-38F, 1.0F, -1.0F};
+// The smallest and the largest numbers beside anything: no subnormal number, which would be slow,
+// and none that is not finite.
+TEST(Kernels, PackedWeightsAreNormalAndFinite) {
+  const float numbers[] = {0.0F,    -0.0F, 1e-45F, -1e-40F,    2e-38F,
+                           -2e-38F, 1.0F,  -1.0F,  3.4028e38F, -3.4028e38F};
   for (const float even : numbers) {
     for (const float odd : numbers) {
       Aligned weights(2 * kPanelRows);
       weights[0] = even;
       weights[kPanelRows] = odd;
       BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 2);
-      const float second = Unpacked(weights, 2, 0, 1);
-      EXPECT_NE(std::fpclassify(second), FP_SUBNORMAL) << even << ' ' << odd;
-      EXPECT_NEAR(second, odd, std::max(2e-38F, std::ldexp(std::abs(odd), -8)))
-          << even << ' ' << odd;
+      for (const auto& [column, from] : {std::pair{0, even}, {1, odd}}) {
+        const float packed = Unpacked(weights, 2, 0, column);
+        SCOPED_TRACE(testing::Message() << column << ", " << even << ' ' << odd);
+        EXPECT_TRUE(std::isfinite(packed));
+        EXPECT_NE(std::fpclassify(packed), FP_SUBNORMAL);
+        EXPECT_NEAR(packed, from, std::max(2e-38F, std::ldexp(std::abs(from), -7)));
+      }
     }
   }
 }
