@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
+#include <optional>
 
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
@@ -167,15 +168,10 @@ void JudgeOutputs(EvalSession& session, const judge::Comparison& comparison,
 }
 
 // The figures of Park et al. 2021, by their kind of classifier.
-Status JudgeActions(EvalSession& session, const Outputs& outputs) {
-  const EvalArguments& arguments = session.arguments;
-  if (arguments.action_classifiers == 0) return Status::Ok();
+void JudgeActions(EvalSession& session, const judge::ActionClassifiers& classifiers,
+                  const Outputs& outputs) {
   const judge::Data& data = session.data;
-  judge::JudgeSettings settings = session.judges.settings();
-  settings.count = arguments.action_classifiers;
-  const auto classifiers = judge::TrainActionClassifiers(data, settings, arguments.cache);
-  if (!classifiers.ok()) return classifiers.status();
-  const judge::ActionComparison comparison(data, classifiers.value());
+  const judge::ActionComparison comparison(data, classifiers);
   std::vector<judge::ActionFigures> sets;
   sets.push_back(comparison.OfReal());
   sets.push_back(comparison.OfStyled("neutral", "neutral input", judge::Unstyled(data)));
@@ -185,9 +181,8 @@ Status JudgeActions(EvalSession& session, const Outputs& outputs) {
   for (const Styled& styled : outputs.styled) {
     sets.push_back(comparison.OfStyled(styled.key, styled.heading, styled.clips));
   }
-  judge::Print(sets, classifiers.value());
-  session.json["actions"] = judge::ToJson(sets, classifiers.value());
-  return Status::Ok();
+  judge::Print(sets, classifiers);
+  session.json["actions"] = judge::ToJson(sets, classifiers);
 }
 
 void JudgeCodes(EvalSession& session, const judge::ClipRestyler& restyler) {
@@ -280,6 +275,14 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   const auto panel = MakePanel(arguments, data);
   if (!panel.ok()) return panel.status();
   const judge::Judges& judges = panel.value().judges;
+  std::optional<judge::ActionClassifiers> classifiers;  // before a test is begun
+  if (arguments.action_classifiers > 0) {
+    judge::JudgeSettings settings = judges.settings();
+    settings.count = arguments.action_classifiers;
+    auto trained = judge::TrainActionClassifiers(data, settings, arguments.cache);
+    if (!trained.ok()) return trained.status();
+    classifiers = std::move(trained.value());
+  }
   const nlohmann::json provenance =
       judge::Provenance(command, data, panel.value(), arguments.weights);
   judge::PrintProvenance(provenance);
@@ -303,8 +306,7 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   outputs.offset_per_content = judge::ApplyBaseline(data, judge::OffsetPer::kContent);
   const judge::Comparison comparison(data.manifest, judges, panel.value().parts, data.judge);
   JudgeOutputs(session, comparison, outputs);
-  const Status actions = JudgeActions(session, outputs);
-  if (!actions.ok()) return actions;
+  if (classifiers) JudgeActions(session, *classifiers, outputs);
   if (arguments.split == judge::kTest) {
     const Status ended = judge::EndTest(use, judge::LedgerFigures(session.json), arguments.ledger);
     if (!ended.ok()) return ended;
@@ -459,12 +461,10 @@ int main(int argc, char** argv) {
                  "How many judges: figures are their mean, with the spread of what each says")
       ->check(styled::Whole(1, styled::judge::kMostJudges))
       ->capture_default_str();
-  CLI::Option* const actions =
-      app.add_option(
-             "--action-classifiers", arguments.action_classifiers,
-             "How many ST-GCN classifiers of the content judge, too, as in Park et al. 2021")
-          ->check(styled::Whole(0, styled::judge::kMostJudges))
-          ->capture_default_str();
+  app.add_option("--action-classifiers", arguments.action_classifiers,
+                 "How many ST-GCN classifiers of the content judge, too, as in Park et al. 2021")
+      ->check(styled::Whole(0, styled::judge::kMostJudges))
+      ->capture_default_str();
   app.add_option("--seed", arguments.judges.seed, "Seed of the first judge")
       ->check(styled::Whole(0, std::numeric_limits<unsigned>::max()))
       ->capture_default_str();
@@ -479,7 +479,7 @@ int main(int argc, char** argv) {
     std::cerr << "styleeval: --cache or --judges is required\n";
     return styled::kBadArguments;
   }
-  if (actions->count() > 0 && cache->empty()) {
+  if (arguments.action_classifiers > 0 && cache->empty()) {
     std::cerr << "styleeval: --action-classifiers needs --cache\n";
     return styled::kBadArguments;
   }

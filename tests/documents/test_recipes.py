@@ -104,6 +104,7 @@ def judged(fmd=10.0, accuracy=0.9, sha256='a', split='validation', actions='c'):
     figures = {'styles': {
         'odd': {**{name: fmd for name in names}, **{'content_' + name: fmd / 2 for name in names}},
         'rare': {**{name: None for name in names}, **{'content_' + name: None for name in names}}}}
+    figures['mean'] = {'fmd': fmd, 'fmd_spread': 3.0, 'content_fmd': fmd / 2, 'content_fmd_spread': None}
     judges = [{'key': key, 'value': accuracy, 'spread': 0.04} for key in ('style', 'content', 'movement', 'legs_pose')]
     judges.append({'key': 'legs_movement', 'value': None, 'spread': None})
     return {'styled': figures, 'noise': figures,
@@ -135,18 +136,20 @@ class TableTest(unittest.TestCase):
         self.assertEqual(['by noise', '2.75 ± 0.35', '0.80 ± 0.00', '5.50 ± 0.71', '0.60 ± 0.14', '11.00 ± 1.41', '0.60 ± 0.14', '0.60 ± 0.14',
                           '0.60 ± 0.14', '-', '11.00 ± 1.41', '2.50 ± 0.00'], noise)
         half = '0.50 ± 0.04'  # over judges
-        self.assertEqual(['examples', '-', '-', '5.00', half, '10.00', half, half, half, '-', '10.00', '-'], examples)
+        self.assertEqual(['examples', '-', '-', '5.00', half, '10.00 ± 3.00', half, half, half, '-', '10.00', '-'], examples)
         self.assertEqual(['real', '-', '-', '5.00', half, '10.00', half, half, half, '-', '-', '3.00'], real)
         self.assertEqual(['', 'Judges of SHA-256 a, m, split validation, action classifiers of SHA-256 c'], lines[5:])
 
     def test_what_is_not_comparable_is_refused(self):
         first, other = self.file('a', judged()), self.file('b', judged(sha256='b'))
         test = self.file('f', judged(split='test'))
-        graphs = self.file('g', judged(actions='d'))
+        graphs, none = self.file('g', judged(actions='d')), self.file('h', {**judged(), 'actions': {'sha256': None, 'sets': {}}})
         empty, bare = self.file('c', {}), self.file('d', {**judged(), 'noise': {}})
         listed = self.file('e', [])
         for arguments, said in (([f'x=noise@{first}', f'y=noise@{other}'], f'{other}: judges: not as in {first}'),
                                 ([f'x=noise@{first},{test}'], f'{test}: split: not as in {first}'),
+                                ([f'x=noise@{none}', f'y=noise@{first}', f'z=noise@{graphs}'],
+                                 f'{graphs}: action classifiers: not as in {none}'),
                                 ([f'x=noise@{first},{graphs}'], f'{graphs}: action classifiers: not as in {first}'),
                                 ([f'x=noise@{empty}'], f"{empty}: has no key 'judges'"),
                                 ([f'x=noise@{bare}'], f"{bare}: has no key 'styles'"),

@@ -13,7 +13,7 @@ namespace styled::judge {
 // As kJudgeRecipe, for these classifiers.
 inline constexpr const char* kActionRecipe = "1";
 
-// Classifiers of the content as Park et al. 2021 (section 5.1) measure it: spatio-temporal graph
+// Classifiers of the content as Park et al. 2021 (section 7) measure it: spatio-temporal graph
 // convolutions over the skeleton (ST-GCN, Yan et al. 2018), one per seed, trained on the judges'
 // clips and their mirror images. Smaller than Yan's: five blocks of 16 to 32 channels. Their input
 // is each joint's position and velocity in the heading frame, at kJudgeRate_hz, in windows of

@@ -11,7 +11,7 @@
 
 namespace styled::judge {
 
-// The two figures of Park et al. 2021 (section 5.1) of one set of clips, by ActionClassifiers.
+// The two figures of Park et al. 2021 (section 7) of one set of clips, by ActionClassifiers.
 struct ActionFigures {
   std::string key, title;
   Share accuracy;           // of windows whose content is recognized; mean over cells

@@ -131,6 +131,11 @@ nlohmann::json Evaluator::ToJson(const Figures& figures) const {
                          {"cra_of_inputs", with_worst(figures.cra_input)},
                          {"sra_with_unknown", ShareToJson(figures.sra_with_unknown)},
                          {"unknown_to_style_judge", nlohmann::json::array()}};
+  const StyleFigures mean = MeanOf(figures);
+  for (const DistanceColumn& column : kDistances) {
+    json["mean"][column.key] = Value(mean.Distance(column.of));
+    json["mean"][std::string(column.key) + "_spread"] = Value(mean.DistanceSpread(column.of));
+  }
   for (const int cell : figures.unknown) json["unknown_to_style_judge"].push_back(CellName(cell));
   for (int style = 1; style < styles_; ++style) {
     const StyleFigures& of = figures.styles[style];

@@ -32,7 +32,7 @@ SAME = ('manifest', 'split', 'judges', 'data', 'inputs')
 
 
 def mean_over_styles(figures, name):
-    found = [style[name] for style in figures['styles'].values() if style.get(name) is not None]
+    found = [style[name] for style in figures['styles'].values() if style[name] is not None]
     return statistics.fmean(found) if found else None
 
 
@@ -47,9 +47,8 @@ def figures_of(judged, key):
     fmd = FMD.get(key, 'fmd')
     row['FMD'] = mean_over_styles(figures, fmd)
     row['FMD-c'] = mean_over_styles(figures, 'content_' + fmd)
-    # Judges agree on which style is how far, not on the unit: the mean of the styles' spreads is that of their mean.
-    row['spreads']['FMD'] = mean_over_styles(figures, fmd + '_spread')
-    row['spreads']['FMD-c'] = mean_over_styles(figures, 'content_' + fmd + '_spread')
+    mean = figures.get('mean', {})  # none in files of before
+    row['spreads']['FMD'], row['spreads']['FMD-c'] = mean.get(fmd + '_spread'), mean.get(f'content_{fmd}_spread')
     if key not in FMD:
         row['jerk'] = mean_over_styles(figures, 'jitter_120')
     actions = judged.get('actions', {'sets': {}})['sets'].get(key)
@@ -82,6 +81,7 @@ def table(rows):
                  for column in COLUMNS]
         lines.append('| ' + ' | '.join([title, *cells]) + ' |')
     made = provenance_of(rows[0][2][0])
+    made[ACTIONS] = next((sha for _, _, runs in rows for run in runs if (sha := provenance_of(run)[ACTIONS])), None)
     lines += ['', f"Judges of SHA-256 {made['judges']['sha256'][:16]}, {made['manifest']}, split {made['split']}"]
     if made[ACTIONS]:
         lines[-1] += f', {ACTIONS} of SHA-256 {made[ACTIONS][:16]}'
@@ -111,7 +111,7 @@ def load(name, key):
             raise ValueError(f'{name}: expected JSON: {error}') from error
         except KeyError as error:
             raise ValueError(f'{name}: has no key {error}; styleeval and stylebaseline --json write it') from error
-        except TypeError as error:
+        except (AttributeError, TypeError) as error:
             raise ValueError(f'{name}: expected what styleeval and stylebaseline --json write: {error}') from error
     return judged
 
@@ -131,7 +131,8 @@ def read(arguments):
             first = first or (name, made)
             for part in made:
                 if part == ACTIONS and None in (made[part], first[1][part]):
-                    continue  # "-" in its columns
+                    first[1][part] = first[1][part] or made[part]  # "-" in the columns of files without
+                    continue
                 if made[part] != first[1][part]:
                     raise ValueError(f'{name}: {part}: not as in {first[0]}')
         rows.append((title, key, runs))

@@ -54,7 +54,8 @@ class ActionsTest : public testing::Test {
     return TrainActionClassifiers(
         data_, {.iterations = 120, .batch = 8, .seed = seed, .count = count}, Cache());
   }
-  // The clips of style 1 as if a network had made them, `found` instead of the input's content.
+  // The clips of style 1 as if a network had made them, where `right` is false, in the other
+  // content.
   std::vector<Transferred> Styled(bool right, int frames = 300) const {
     std::vector<Transferred> clips;
     for (const int content : {0, 1}) {
