@@ -77,9 +77,8 @@ Status Judge(const Arguments& arguments, const std::string& command, const judge
   std::optional<judge::ActionComparison> actions;
   std::vector<judge::ActionFigures> of_actions;
   if (arguments.action_classifiers > 0) {
-    judge::JudgeSettings settings = judges.settings();
-    settings.count = arguments.action_classifiers;
-    auto trained = judge::TrainActionClassifiers(data, settings, arguments.cache);
+    auto trained = judge::TrainActionClassifiers(data, judges.settings(),
+                                                 arguments.action_classifiers, arguments.cache);
     if (!trained.ok()) return trained.status();
     classifiers = std::move(trained.value());
     actions.emplace(data, *classifiers);

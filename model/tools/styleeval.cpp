@@ -277,9 +277,8 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
   const judge::Judges& judges = panel.value().judges;
   std::optional<judge::ActionClassifiers> classifiers;  // before a test is begun
   if (arguments.action_classifiers > 0) {
-    judge::JudgeSettings settings = judges.settings();
-    settings.count = arguments.action_classifiers;
-    auto trained = judge::TrainActionClassifiers(data, settings, arguments.cache);
+    auto trained = judge::TrainActionClassifiers(data, judges.settings(),
+                                                 arguments.action_classifiers, arguments.cache);
     if (!trained.ok()) return trained.status();
     classifiers = std::move(trained.value());
   }

@@ -178,8 +178,9 @@ Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                              JudgeKey(data, settings));
 }
 
-Result<ActionClassifiers> TrainActionClassifiers(const Data& data, const JudgeSettings& settings,
-                                                 const std::filesystem::path& cache) {
+Result<ActionClassifiers> TrainActionClassifiers(const Data& data, JudgeSettings settings,
+                                                 int count, const std::filesystem::path& cache) {
+  settings.count = count;
   return ActionClassifiers::TrainOrLoad(data.judge, static_cast<int>(data.manifest.styles.size()),
                                         static_cast<int>(data.manifest.contents.size()), settings,
                                         cache, JudgeKey(data, settings));

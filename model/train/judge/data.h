@@ -39,8 +39,9 @@ Result<Panel> TrainPanel(const Data& data, const JudgeSettings& settings,
                          const std::filesystem::path& cache);
 Result<Judges> TrainJudges(const Data& data, const JudgeSettings& settings,
                            const std::filesystem::path& cache);
-Result<ActionClassifiers> TrainActionClassifiers(const Data& data, const JudgeSettings& settings,
-                                                 const std::filesystem::path& cache);
+// `count` of them, with the judges' other settings.
+Result<ActionClassifiers> TrainActionClassifiers(const Data& data, JudgeSettings settings,
+                                                 int count, const std::filesystem::path& cache);
 
 inline constexpr int kAbsent = -1;
 

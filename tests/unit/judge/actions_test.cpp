@@ -51,8 +51,8 @@ class ActionsTest : public testing::Test {
     return std::filesystem::temp_directory_path() / ("styled_acts_" + std::to_string(::getpid()));
   }
   Result<ActionClassifiers> Train(unsigned seed = 1, int count = 2) const {
-    return TrainActionClassifiers(
-        data_, {.iterations = 120, .batch = 8, .seed = seed, .count = count}, Cache());
+    return TrainActionClassifiers(data_, {.iterations = 120, .batch = 8, .seed = seed}, count,
+                                  Cache());
   }
   // The clips of style 1 as if a network had made them, where `right` is false, in the other
   // content.
