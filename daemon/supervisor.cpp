@@ -40,6 +40,10 @@ bool ExchangesKeys(const config::Config& config) {
          !config.security.keys.empty() && !config.standby.allow_unauthenticated_remote;
 }
 
+runtime::Scheduling SchedulingOf(const config::Realtime& realtime) {
+  return {realtime.lock_memory, realtime.priority, realtime.cpu};
+}
+
 // Returns "" when the file cannot be read.
 std::string ReadText(const std::string& file, std::size_t max_bytes) {
   auto text = ReadFile(file, max_bytes);
@@ -62,6 +66,7 @@ Supervisor::~Supervisor() {
   if (control_thread_.joinable()) control_thread_.join();
   files_.reset();
   pipeline_.reset();
+  helpers_.reset();
   standby_.reset();
   publisher_.reset();
   control_.reset();
@@ -82,6 +87,7 @@ Status Supervisor::Start() {
   if (!status.ok()) return status;
   StartRecording();
   clock_watch_.Update(clock_.Now_ns());
+  StartHelpers();
   std::vector<std::string> names, types;
   for (const auto& source : config_.sources) {
     names.push_back(source.name);
@@ -93,7 +99,7 @@ Status Supervisor::Start() {
           standby_ != nullptr ? standby_->publisher() : *publisher_, mailboxes_, recorder_.get(),
           config_.realtime.prewarm || config_.realtime.wait == "hybrid", config_.realtime.prewarm,
           config_.realtime.wait == "hybrid", &clock_watch_, standby_.get(),
-          config_.realtime.relieve},
+          config_.realtime.relieve, helpers_.get()},
       std::move(names), std::move(transports_), runtime_config_, epoch_,
       config_.publish.max_subscriptions);
   pipeline_->SetSourceTypes(std::move(types));
@@ -267,6 +273,26 @@ void Supervisor::RestoreProfiles() {
   pipeline_->Restore(std::move(kept.value()));
 }
 
+// Helpers run at the pipeline thread's priority, on the cores behind its own.
+void Supervisor::StartHelpers() {
+  const int count = config_.realtime.styling_threads - 1;
+  if (count == 0) return;
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  if (cores > 0 && count >= cores) {
+    spdlog::warn("realtime.styling_threads: found {}, expected at most {}, the number of cores",
+                 count + 1, cores);
+  }
+  helpers_ = std::make_unique<runtime::Helpers>(count, [this](int index) {
+    const std::string name = "styling " + std::to_string(index + 2);
+    pthread_setname_np(pthread_self(), name.c_str());
+    runtime::Scheduling scheduling = SchedulingOf(config_.realtime);
+    if (scheduling.cpu >= 0) scheduling.cpu += index + 1;
+    for (const auto& refused : runtime::ApplyScheduling(scheduling)) {
+      spdlog::warn("thread {}: {}", name, refused);
+    }
+  });
+}
+
 void Supervisor::StartThreads() {
   files_ = std::make_unique<FilesThread>(config_, origin_, runtime_config_, weights_crc_,
                                          mailboxes_, counters_, clock_, recorder_.get());
@@ -281,9 +307,7 @@ void Supervisor::StartThreads() {
                                                                     : pipeline::Wait::kBlock);
   pipeline_thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "pipeline");
-    const runtime::Scheduling scheduling{config_.realtime.lock_memory, config_.realtime.priority,
-                                         config_.realtime.cpu};
-    for (const auto& refused : runtime::ApplyScheduling(scheduling)) {
+    for (const auto& refused : runtime::ApplyScheduling(SchedulingOf(config_.realtime))) {
       spdlog::warn("pipeline thread: {}", refused);
     }
     pipeline_loop_->Run();

@@ -20,6 +20,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/runtime/helpers.h"
 #include "daemon/runtime/notify.h"
 #include "daemon/runtime/sign_of_life.h"
 #include "daemon/security/gatekeeper.h"
@@ -28,8 +29,9 @@
 namespace styled {
 
 // Assembles the daemon and supervises it on the main thread: signals and the log. The other threads
-// are the pipeline, control, files, the sign of life (if the service manager asks for it), security
-// (with keys only), the recording's writer (while recording), one per USB source, and ZeroMQ's own.
+// are the pipeline and its helpers, control, files, the sign of life (if the service manager asks
+// for it), security (with keys only), the recording's writer (while recording), one per USB source,
+// and ZeroMQ's own.
 class Supervisor {
  public:
   Supervisor(config::Config config, Origin origin);
@@ -52,6 +54,7 @@ class Supervisor {
   void StartRecording();
   void CloseRecording();
   void RestoreProfiles();
+  void StartHelpers();
   void StartThreads();
   void StartSignOfLife();
   Status WriteReadyFile() const;
@@ -81,7 +84,8 @@ class Supervisor {
   std::unique_ptr<publish::Publisher> publisher_;
   std::unique_ptr<standby::Standby> standby_;  // null: this daemon is alone
   std::unique_ptr<control::ControlSocket> control_;
-  std::unique_ptr<log::Recorder> recorder_;  // null: nothing is recorded
+  std::unique_ptr<log::Recorder> recorder_;    // null: nothing is recorded
+  std::unique_ptr<runtime::Helpers> helpers_;  // null: realtime.styling_threads is 1
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   std::unique_ptr<pipeline::PipelineThread> pipeline_loop_;
   std::unique_ptr<FilesThread> files_;

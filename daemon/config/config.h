@@ -205,6 +205,7 @@ struct Realtime {
   std::string wait = "block";  // "hybrid", "busy"
   bool prewarm = true;
   bool relieve = true;
+  int styling_threads = 1;  // the pipeline thread included
   friend bool operator==(const Realtime&, const Realtime&) = default;
 };
 

@@ -5,6 +5,7 @@
 
 #include "daemon/config/look_keys.h"
 #include "daemon/config/table_keys.h"
+#include "daemon/runtime/helpers.h"
 #include "model/base/text.h"
 #include "proto/rigs/types.h"
 
@@ -250,7 +251,9 @@ std::vector<Section> MakeSections() {
         Integer<C>("cpu", -1, 1023, STYLED_FIELD(realtime.cpu)),
         OneOf<C>("wait", {"block", "hybrid", "busy"}, STYLED_FIELD(realtime.wait)),
         Flag<C>("prewarm", STYLED_FIELD(realtime.prewarm)),
-        Flag<C>("relieve", STYLED_FIELD(realtime.relieve))}},
+        Flag<C>("relieve", STYLED_FIELD(realtime.relieve)),
+        Integer<C>("styling_threads", 1, runtime::Helpers::kMost + 1,
+                   STYLED_FIELD(realtime.styling_threads))}},
   };
 }
 

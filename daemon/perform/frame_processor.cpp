@@ -10,6 +10,14 @@ using decide::FrameInTransit;
 using runtime::Counter;
 using runtime::kSecond_ns;
 
+namespace {
+
+constexpr std::size_t kTogether = stylist::Stylist::kTogether;
+// Frames that one thread styles at least.
+constexpr std::size_t kFewest = 2;
+
+}  // namespace
+
 std::span<const FrameInTransit> FrameProcessor::Process(const Batch& batch) {
   runtime::HotSection hot;
   receive_ns_ = performance_.clock.Now_ns();
@@ -206,7 +214,7 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
 // Styles the group if it is full or has a frame of this performer.
 void FrameProcessor::MakeWay(const Performer& performer, runtime::HotSection& hot) {
   const auto group = std::span(accepted_).first(accepted_count_);
-  if (group.size() < accepted_.size() && std::ranges::find(group, &performer) == group.end()) {
+  if (group.size() < MostInGroup() && std::ranges::find(group, &performer) == group.end()) {
     return;
   }
   StyleAccepted(hot);
@@ -285,6 +293,33 @@ void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
   hot.Enter();
 }
 
+// The frames that are styled before any of them is sent.
+std::size_t FrameProcessor::MostInGroup() const noexcept {
+  return helpers_ == nullptr ? kTogether : source::kBatch;
+}
+
+// Calls work(from, to) for all of `count` frames, at most kTogether at a time. With helpers, for as
+// many parts as there are threads, but for no fewer frames than pay for waking a thread.
+template <typename Work>
+void FrameProcessor::Share(std::size_t count, const Work& work) noexcept {
+  const std::size_t threads =
+      helpers_ == nullptr ? 1 : static_cast<std::size_t>(helpers_->count()) + 1;
+  const std::size_t each = std::clamp((count + threads - 1) / threads, kFewest, kTogether);
+  const auto part = [&](int index) noexcept {
+    const std::size_t from = static_cast<std::size_t>(index) * each;
+    work(from, std::min(count, from + each));
+  };
+  const int parts = static_cast<int>((count + each - 1) / each);
+  if (helpers_ == nullptr) {
+    for (int index = 0; index < parts; ++index) part(index);
+  } else {
+    helpers_->Run(parts, [&](int index) noexcept {
+      const runtime::HotSection hot;
+      part(index);
+    });
+  }
+}
+
 // Styles and sends the group of accepted frames, and empties it. Leaves the hot section.
 void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
   const auto group = std::span(accepted_).first(accepted_count_);
@@ -292,13 +327,23 @@ void FrameProcessor::StyleAccepted(runtime::HotSection& hot) {
   accepted_count_ = 0;
   hot.Enter();
   const std::int64_t begin_ns = performance_.clock.Now_ns();
-  std::array<stylist::Stylist::Job, stylist::Stylist::kTogether> jobs;
-  for (std::size_t i = 0; i < group.size(); ++i) jobs[i] = group[i]->Style();
-  stylist::Stylist::ProcessTogether(std::span(jobs).first(group.size()));
+  Share(group.size(), [group](std::size_t from, std::size_t to) noexcept {
+    std::array<stylist::Stylist::Job, kTogether> jobs;
+    for (std::size_t i = from; i < to; ++i) jobs[i - from] = group[i]->Style();
+    stylist::Stylist::ProcessTogether(std::span(jobs).first(to - from));
+  });
   const std::int64_t styled_ns = performance_.clock.Now_ns();
-  for (Performer* const performer : group) performer->Attach();
-  for (Performer* const performer : group) ShareProps(*performer);
-  for (Performer* const performer : group) performer->Finish(styled_ns);
+  // A performer sees the props of those of its own sixteen as they are now, and of later ones as
+  // they were, with helpers or without.
+  for (auto rest = group; !rest.empty();) {
+    const auto some = rest.first(std::min(rest.size(), kTogether));
+    for (Performer* const performer : some) performer->Attach();
+    for (Performer* const performer : some) ShareProps(*performer);
+    rest = rest.subspan(some.size());
+  }
+  Share(group.size(), [group, styled_ns](std::size_t from, std::size_t to) noexcept {
+    for (std::size_t i = from; i < to; ++i) group[i]->Finish(styled_ns);
+  });
   if (!performance_.takes.empty()) {
     for (const Performer* const performer : group) performance_.takes.OnFrame(*performer);
   }

@@ -11,6 +11,7 @@
 #include "daemon/log/entry.h"
 #include "daemon/perform/performance.h"
 #include "daemon/perform/postponed.h"
+#include "daemon/runtime/helpers.h"
 #include "daemon/runtime/realtime.h"
 #include "daemon/source/source_frame.h"
 #include "daemon/source/transport.h"
@@ -44,10 +45,11 @@ class RecordedDecisions {
 // and tests/golden.
 class FrameProcessor {
  public:
-  // `logs_poses`: frames in the log carry their styled pose, for a standby to compare.
-  // `performance` must outlive it.
-  FrameProcessor(Performance& performance, bool logs_poses)
-      : performance_(performance), logs_poses_(logs_poses) {}
+  // `logs_poses`: frames in the log carry their styled pose, for a standby to compare. `helpers`
+  // style and serialize frames beside the pipeline thread, with the same results bit for bit; null:
+  // that thread does it alone. `performance` and `helpers` must outlive it.
+  FrameProcessor(Performance& performance, bool logs_poses, runtime::Helpers* helpers)
+      : performance_(performance), logs_poses_(logs_poses), helpers_(helpers) {}
 
   // Returns the fate of each frame, valid until the next call. It is in the log already.
   std::span<const decide::FrameInTransit> Process(const Batch& batch);
@@ -72,6 +74,9 @@ class FrameProcessor {
                                  decide::FrameInTransit& transit) const noexcept;
   void PassCues(Performer& performer, const Timecode& timecode, runtime::HotSection& hot);
   void StyleAccepted(runtime::HotSection& hot);
+  template <typename Work>
+  void Share(std::size_t count, const Work& work) noexcept;
+  std::size_t MostInGroup() const noexcept;
   void LogPoses(std::span<Performer* const> performers);
   STYLED_REALTIME void ShareProps(Performer& performer) noexcept;
   STYLED_REALTIME void MeasureLatencies(const Batch& batch, bool bundled) noexcept;
@@ -85,13 +90,14 @@ class FrameProcessor {
 
   Performance& performance_;
   const bool logs_poses_;
+  runtime::Helpers* const helpers_;
   std::int64_t receive_ns_ = 0, wall_ns_ = 0;                   // of the current batch, or the last
   std::array<decide::FrameInTransit, source::kBatch> transit_;  // its frames and bodies
   std::array<Performer*, source::kBatch> whose_{};              // null: unknown yet, or a body
   std::array<log::RoundedPose, source::kBatch> rounded_poses_;  // with logs_poses_
   // The group that is styled together, one frame per performer, and their indices in the batch.
-  std::array<Performer*, stylist::Stylist::kTogether> accepted_{};
-  std::array<std::size_t, stylist::Stylist::kTogether> accepted_at_{};
+  std::array<Performer*, source::kBatch> accepted_{};
+  std::array<std::size_t, source::kBatch> accepted_at_{};
   std::size_t accepted_count_ = 0;
   decide::Overload::Batch load_;  // of the current batch
   Postponed postponed_;

@@ -7,6 +7,7 @@
 #include "daemon/runtime/clock.h"
 #include "daemon/runtime/clock_watch.h"
 #include "daemon/runtime/counters.h"
+#include "daemon/runtime/helpers.h"
 #include "daemon/standby/standby.h"
 
 namespace styled::pipeline {
@@ -28,6 +29,7 @@ struct Dependencies {
   // depends on the measured time of styling.
   bool relieves = false;
 
+  runtime::Helpers* helpers = nullptr;     // null: the pipeline thread styles alone
   RecordedDecisions* decisions = nullptr;  // null: frames are decided here
 
   bool leads() const { return standby == nullptr || standby->leads(); }

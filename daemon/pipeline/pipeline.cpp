@@ -27,7 +27,7 @@ Pipeline::Pipeline(const Dependencies& dependencies, std::vector<std::string> so
       performance_(dependencies_.clock, dependencies_.counters, dependencies_.publisher,
                    dependencies_.mailboxes, std::move(source_names), std::move(config), epoch,
                    max_subscriptions),
-      frames_(performance_, dependencies_.standby != nullptr),
+      frames_(performance_, dependencies_.standby != nullptr, dependencies_.helpers),
       stats_(dependencies_, performance_.roster, performance_.layers, transports_,
              performance_.stages, performance_.subscriptions),
       timers_(dependencies_, performance_, stats_) {

@@ -27,6 +27,8 @@ enum Kind { kMalloc, kFree, kLock, kWrite, kThrow, kKinds };
 constexpr const char* kNames[kKinds] = {"malloc", "free", "lock", "write", "throw"};
 
 __attribute__((tls_model("initial-exec"))) thread_local bool inside = false;
+// Sections may be nested: a part that the pipeline thread shares with helpers is within its own.
+__attribute__((tls_model("initial-exec"))) thread_local int depth = 0;
 std::atomic<unsigned long> sections{0};
 std::atomic<unsigned long> hits[kKinds];
 constexpr int kCallers = 16;
@@ -117,10 +119,11 @@ extern "C" {
 
 __attribute__((visibility("default"))) void styled_realtime_enter() {
   inside = true;
+  ++depth;
   sections.fetch_add(1);
   Provoke();
 }
-__attribute__((visibility("default"))) void styled_realtime_exit() { inside = false; }
+__attribute__((visibility("default"))) void styled_realtime_exit() { inside = --depth > 0; }
 
 void* malloc(size_t size) noexcept {
   Count(kMalloc, __builtin_return_address(0));

@@ -71,10 +71,10 @@ void WriteAvatar(const v1::Body& body, const std::string& file) {
 
 // A second of all that frames can meet: styles that change, joints that break, frames lost,
 // doubled, late and damaged, timecode that comes and goes, weights that make no pose of some of
-// them, several performers with a finger each, a phone for the face of one and gloves, which come
-// and go, for the fingers of another, a filter against jitter, props that come and go, are held and
-// are wrong, an avatar, all topics subscribed, all of it recorded.
-Report Play(const std::string& provoke) {
+// them, `threads` that style, several performers with a finger each, a phone for the face of one
+// and gloves, which come and go, for the fingers of another, a filter against jitter, props that
+// come and go, are held and are wrong, an avatar, all topics subscribed, all of it recorded.
+Report Play(const std::string& provoke, int threads = 1) {
   TemporaryFolder folder;
   const std::string file = folder / "report.txt";
   std::map<std::string, std::string> environment{{"LD_PRELOAD", STYLED_HOOK},
@@ -83,7 +83,8 @@ Report Play(const std::string& provoke) {
   WriteWeights(folder / "sleeping.safetensors", erd::SleepingWeights(5, 1));
   const v1::Body fingered = WithFinger(Rig("p0"));
   WriteAvatar(fingered, folder / "avatar.glb");
-  Daemon daemon({"record.file=" + folder / "take.styrec", "source.1.smooth_hz=3"},
+  Daemon daemon({"record.file=" + folder / "take.styrec", "source.1.smooth_hz=3",
+                 "realtime.styling_threads=" + std::to_string(threads)},
                 "[[source]]\nname = \"phone\"\ntype = \"livelinkface\"\n"
                 "listen = \"127.0.0.1:0\"\nmerge_into = \"rig.p0\"\n"
                 "[[source]]\nname = \"gloves\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n"
@@ -156,10 +157,13 @@ Report Play(const std::string& provoke) {
 }
 
 TEST(HotSectionTest, NothingIsAllocatedLockedLoggedOrThrownBetweenReceiveAndSend) {
-  const Report report = Play("");
-  ASSERT_GT(report.counts.at("sections"), 1000U) << report.text;
-  for (const char* const kind : {"malloc", "free", "lock", "write", "throw"}) {
-    EXPECT_EQ(report.counts.at(kind), 0U) << kind << "\n" << report.text;
+  for (const int threads : {1, 3}) {
+    const Report report = Play("", threads);
+    ASSERT_GT(report.counts.at("sections"), 1000U) << report.text;
+    for (const char* const kind : {"malloc", "free", "lock", "write", "throw"}) {
+      EXPECT_EQ(report.counts.at(kind), 0U) << kind << ", " << threads << " threads\n"
+                                            << report.text;
+    }
   }
 }
 

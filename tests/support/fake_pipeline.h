@@ -56,10 +56,16 @@ class FakePublisher final : public publish::Publisher {
 class FakePipeline {
  public:
   FakePipeline(std::shared_ptr<const pipeline::RuntimeConfig> config,
-               const std::string& subscription, std::vector<std::string> sources = {"rig"})
+               const std::string& subscription, std::vector<std::string> sources = {"rig"},
+               runtime::Helpers* helpers = nullptr)
       : pipeline_(std::make_unique<pipeline::Pipeline>(
-            pipeline::Dependencies{clock, counters, publisher, mailboxes}, std::move(sources),
-            std::vector<std::unique_ptr<source::Transport>>(), std::move(config), 77, 100)) {
+            pipeline::Dependencies{.clock = clock,
+                                   .counters = counters,
+                                   .publisher = publisher,
+                                   .mailboxes = mailboxes,
+                                   .helpers = helpers},
+            std::move(sources), std::vector<std::unique_ptr<source::Transport>>(),
+            std::move(config), 77, 100)) {
     publisher.events.push_back({true, subscription});
     Work();
   }

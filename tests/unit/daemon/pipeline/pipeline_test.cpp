@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -82,6 +83,41 @@ TEST_F(PipelineTest, AFrameIsSentInTheCallThatReceivesIt) {
   EXPECT_EQ(frames()[0].sequence(), 1U);
   EXPECT_EQ(frames()[0].epoch(), 77U);
   EXPECT_EQ(frames()[0].performer(), "rig.a");
+}
+
+// The bytes published for 40 performers' frames, in order, with so many helpers.
+std::vector<std::string> PublishedOfACrowd(int helper_count) {
+  constexpr int kPerformers = 40;
+  runtime::Helpers helpers(helper_count);
+  auto config = std::make_shared<RuntimeConfig>();
+  config->network = erd::RandomStylizer(5, 1);
+  config->style.initial = "style1";
+  support::FakePipeline pipeline(config, "styled/", {"rig"},
+                                 helper_count == 0 ? nullptr : &helpers);
+  std::vector<support::Rig> rigs;
+  for (int i = 0; i < kPerformers; ++i) rigs.emplace_back("p" + std::to_string(i), 7 + i);
+  std::vector<support::Bytes> datagrams;
+  for (int frame = 0; frame < 40; ++frame) {
+    for (support::Rig& rig : rigs) datagrams.push_back(frame == 0 ? rig.Body() : rig.Frame());
+  }
+  for (std::size_t from = 0; from < datagrams.size(); from += source::kBatch) {
+    const std::size_t to = std::min(from + source::kBatch, datagrams.size());
+    pipeline.Deliver({datagrams.begin() + static_cast<std::ptrdiff_t>(from),
+                      datagrams.begin() + static_cast<std::ptrdiff_t>(to)});
+  }
+  std::vector<std::string> published;
+  for (const auto& frame : pipeline.publisher.frames) {
+    published.push_back(frame.SerializeAsString());
+  }
+  return published;
+}
+
+TEST(PipelineHelpersTest, TheySendTheSameBytesInTheSameOrder) {
+  const std::vector<std::string> alone = PublishedOfACrowd(0);
+  EXPECT_EQ(alone.size(), 2U * 39 * 40);  // topics, frames, performers
+  for (const int helpers : {1, 3}) {
+    EXPECT_TRUE(PublishedOfACrowd(helpers) == alone) << helpers << " helpers";
+  }
 }
 
 TEST_F(PipelineTest, ABodyInOtherUnitsHasAnotherHash) {
