@@ -26,7 +26,7 @@ struct Beside {
 constexpr std::array kBeside{Beside{"examples", "graph", &config::Model::examples},
                              Beside{"gaits", "open", &config::Model::gaits}};
 
-bool Rounds(const config::Model& model) { return model.precision == "bfloat16"; }
+bool Rounds(const config::Model& model) { return model.precision != "float32"; }
 
 // The suffix of the file name when the weights are rounded; "" when they are not.
 std::string RoundedTo(const config::Model& model, std::span<const std::byte> bytes) {
@@ -96,8 +96,7 @@ Result<Networks> ReadNetworks(const config::Model& model,
   std::vector<net::NamedNetwork> named;
   for (std::size_t i = 0; i < contents.size(); ++i) {
     auto network =
-        trial::Parse(contents[i], files.value()[i].string(),
-                     Rounds(model) ? net::Precision::kBfloat16 : net::Precision::kFloat32);
+        trial::Parse(contents[i], files.value()[i].string(), net::PrecisionNamed(model.precision));
     if (!network.ok()) return network.status();
     if (i > 0 && network.value()->space() == nullptr) {
       return Status::Error(files.value()[i].string() + ": family \"" +

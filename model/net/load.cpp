@@ -94,6 +94,10 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
   return faults.status();
 }
 
+Precision PrecisionNamed(std::string_view name) {
+  return static_cast<Precision>(std::ranges::find(kPrecisions, name) - kPrecisions.begin());
+}
+
 bool CanBeRounded(std::span<const std::byte> bytes) {
   const Result<WeightsFile> file = ParseWeights(bytes, "");
   const Family* const family = file.ok() ? FindFamily(file.value().model.family) : nullptr;

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "model/base/status.h"
 #include "model/net/clip_stylizer.h"
@@ -25,6 +27,10 @@ Result<std::shared_ptr<const Stylizer>> Load(const std::filesystem::path& file,
 Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
                                               const std::string& name,
                                               Precision precision = Precision::kFloat32);
+
+// The precisions by the names that configurations and options give them.
+inline constexpr std::array<std::string_view, 3> kPrecisions{"float32", "bfloat16", "int8"};
+Precision PrecisionNamed(std::string_view name);  // one of kPrecisions
 
 // Whether the file's family is one whose weights can be rounded; false if it is not a weights file.
 bool CanBeRounded(std::span<const std::byte> bytes);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "model/net/load.h"
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
 #include "model/train/blas.h"
@@ -243,10 +244,9 @@ Status Run(const EvalArguments& arguments, const std::string& command) {
     if (!read.ok()) return read.status();
     styler.frames = std::move(read.value());
   } else if (with_weights) {
-    auto read = judge::LoadAnyStyler(
-        arguments.weights, data.manifest, arguments.stylist,
-        {arguments.clip_rate_hz, arguments.absolute},
-        arguments.precision == "bfloat16" ? net::Precision::kBfloat16 : net::Precision::kFloat32);
+    auto read = judge::LoadAnyStyler(arguments.weights, data.manifest, arguments.stylist,
+                                     {arguments.clip_rate_hz, arguments.absolute},
+                                     styled::net::PrecisionNamed(arguments.precision));
     if (!read.ok()) return read.status();
     styler = std::move(read.value());
   }
@@ -401,7 +401,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--precision", arguments.precision,
                  "Precision to which weights are rounded, as model.precision of the daemon")
-      ->check(CLI::IsMember({"float32", "bfloat16"}))
+      ->check(CLI::IsMember(std::vector<std::string>(styled::net::kPrecisions.begin(),
+                                                     styled::net::kPrecisions.end())))
       ->capture_default_str();
   app.add_flag("--robust", arguments.robust, "Judge inputs with the errors of live rigs, too");
   app.add_flag("--rates", arguments.rates, "Judge rigs of 24 to 240 Hz, too");

@@ -27,7 +27,7 @@ constexpr double kRate_hz = 120;
 
 // The networks: Style-ERD in the paper's shape and as shipped, the causal graph network as shipped,
 // the last two as one; the shipped file of styles that are measured; the three as in the daemon;
-// and the second with weights in bfloat16, with AVX2 alone, and both.
+// and the second with weights in bfloat16, with AVX2 alone, and both; in int8, and with AVX2 alone.
 enum Network {
   kPaper,
   kWide,
@@ -37,7 +37,9 @@ enum Network {
   kAll,
   kWideRounded,
   kWideAvx2,
-  kWideRoundedAvx2
+  kWideRoundedAvx2,
+  kWideInt8,
+  kWideInt8Avx2
 };
 
 std::shared_ptr<const net::Stylizer> MakeNetwork(int network);
@@ -57,6 +59,7 @@ std::shared_ptr<const net::Stylizer> MakeForAvx2(int network) {
 std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
   if (network == kWideAvx2) return MakeForAvx2(kWide);
   if (network == kWideRoundedAvx2) return MakeForAvx2(kWideRounded);
+  if (network == kWideInt8Avx2) return MakeForAvx2(kWideInt8);
   const auto graph = [] {
     return net::Parse(stgcn_causal::RandomWeights(7, 32, 1).Bytes(), "graph").value();
   };
@@ -64,12 +67,13 @@ std::shared_ptr<const net::Stylizer> MakeNetwork(int network) {
     erd::WeightsFile file = erd::RandomWeights(16, 1, erd::kWide);
     file.metadata["version"] = net::kWeightsVersion;
     file.metadata["reference"] = net::AsJson(neutral::Reference());
-    const net::Precision precision =
-        network == kWideRounded ? net::Precision::kBfloat16 : net::Precision::kFloat32;
+    const net::Precision precision = network == kWideRounded ? net::Precision::kBfloat16
+                                     : network == kWideInt8  ? net::Precision::kInt8
+                                                             : net::Precision::kFloat32;
     return net::Parse(file.Bytes(), "wide", precision).value();
   };
   if (network == kPaper) return erd::RandomStylizer(16, 1, erd::kPaper);
-  if (network == kWide || network == kWideRounded) return wide();
+  if (network == kWide || network == kWideRounded || network == kWideInt8) return wide();
   if (network == kGraph) return graph();
   const auto measured = [] { return net::Load(net::FindWeights("open").value()).value(); };
   if (network == kMeasured) return measured();
@@ -140,6 +144,8 @@ BENCHMARK(WholeStylist)
     ->Args({1, 1, kWideRounded, 1})
     ->Args({1, 1, kWideAvx2, 1})
     ->Args({1, 1, kWideRoundedAvx2, 1})
+    ->Args({1, 1, kWideInt8, 1})
+    ->Args({1, 1, kWideInt8Avx2, 1})
     ->Args({0, 1, kGraph, 0})
     ->Args({1, 1, kGraph, 0})
     ->Args({1, 1, kBoth, 0})
@@ -195,6 +201,9 @@ BENCHMARK(Crowd)
     ->Args({kWideRounded, 16})
     ->Args({kWideAvx2, 16})
     ->Args({kWideRoundedAvx2, 16})
+    ->Args({kWideInt8, 1})
+    ->Args({kWideInt8, 16})
+    ->Args({kWideInt8Avx2, 16})
     ->Args({kGraph, 1})
     ->Args({kGraph, 8})
     ->Args({kMeasured, 1})
@@ -227,6 +236,7 @@ BENCHMARK(Paced)
     ->Arg(kWideRounded)
     ->Arg(kWideAvx2)
     ->Arg(kWideRoundedAvx2)
+    ->Arg(kWideInt8)
     ->Arg(kGraph)
     ->UseManualTime()
     ->Iterations(360)

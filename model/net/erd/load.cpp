@@ -162,7 +162,11 @@ class LayerReader {
 template <int Rows, int Columns>
 void RoundMatrix(const Kernels& kernels, PackedMatrix<Rows, Columns>& weight) {
   static_assert(Columns <= net::kMostColumns);
-  kernels.pack(weight.data(), net::PaddedRows(Rows) / net::kPanelRows, Columns);
+  kernels.pack(weight.data(), net::PaddedRows(Rows) / net::kPanelRows, Columns, net::kScaleColumns);
+}
+template <int Latent>
+void RoundMatrix(const Kernels& kernels, LstmLayer<Latent>& layer) {
+  kernels.pack(layer.weight.data(), 4 * Latent / net::kPanelRows, 2 * Latent, Latent);
 }
 
 std::string LayerName(int style, int layer) {
@@ -243,12 +247,11 @@ void ShapedNetwork<kShape>::Weights::Round(const Kernels& for_kernels) {
   const auto round = [&](auto&... matrices) { (RoundMatrix(*kernels, matrices), ...); };
   round(encoder0, encoder1.weight, decoder0, decoder1.weight, decoder2.weight, heads.weight);
   if (contents) {
-    round(contents->layer0.weight, contents->layer1.weight, contents->lstm.weight,
-          contents->head.weight);
+    round(contents->layer0.weight, contents->layer1.weight, contents->lstm, contents->head.weight);
   }
-  for (auto& layer : neutral) round(layer.weight);
+  for (auto& layer : neutral) round(layer);
   for (auto& style : styles) {
-    for (auto& layer : style) round(layer.weight);
+    for (auto& layer : style) round(layer);
   }
 }
 

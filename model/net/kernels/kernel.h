@@ -32,10 +32,16 @@ struct alignas(64) PackedMatrix : std::array<float, std::size_t{PaddedRows(Rows)
 // rows of the input, forget, cell and output gates follow one another.
 constexpr int LstmRow(int gate, int unit) { return (unit / 16 * 4 + gate) * 16 + unit % 16; }
 
-// The precision to which weights are rounded; inputs, sums, states and activations are float32 in
-// either. bfloat16, as near as 8 significant bits, halves the memory traffic of the weights, which
-// are widened after loading.
-enum class Precision { kFloat32, kBfloat16 };
+// The precision to which weights are rounded; states and activations are float32 in each.
+// - bfloat16, as near as 8 significant bits, halves the memory traffic of the weights, which are
+//   widened after loading. Inputs and sums are float32.
+// - int8 halves it again: the weights of a row, up to kScaleColumns of them, are whole multiples,
+//   -127 to 127, of a number of their own, and each product's inputs, up to as many, of another
+//   one, -32767 to 32767. Their sums are exact, and thus the same bits on every target.
+enum class Precision { kFloat32, kBfloat16, kInt8 };
+
+// Of int8: the most columns that share a number.
+inline constexpr int kScaleColumns = 64;
 
 // One input of a product and the place of its result. `bias` and `y` are padded to whole panels,
 // aligned to 64 bytes, and overlap nothing else.
@@ -71,9 +77,10 @@ struct Kernels {
   // unit = quaternions / their lengths; a quaternion of length 0 becomes the identity.
   void (*normalize)(const float* quaternions, int count, float* unit) noexcept;
 
-  // Rounds a packed matrix in place to the precision of affine and lstm, once. nullptr: they read
-  // float32.
-  void (*pack)(float* weights, int panels, int columns) noexcept;
+  // Rounds a packed matrix in place to the precision of affine and lstm, once. `together`: of int8,
+  // the columns that share a number: kScaleColumns for affine, the units for lstm. At least 2
+  // columns. Allocates. nullptr: they read float32.
+  void (*pack)(float* weights, int panels, int columns, int together) noexcept;
 };
 
 // The most columns of a matrix that is rounded.

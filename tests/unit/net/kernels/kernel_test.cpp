@@ -36,7 +36,9 @@ class Aligned {
     for (std::size_t i = 0; i < size; ++i) data()[i] = uniform(random);
   }
   float* data() { return lines_[0].values; }
+  const float* data() const { return lines_[0].values; }
   float& operator[](std::size_t i) { return data()[i]; }
+  float operator[](std::size_t i) const { return data()[i]; }
 
  private:
   std::vector<Line> lines_;
@@ -55,20 +57,51 @@ TEST(Kernels, EachTargetHasItsOwn) {
   RecordProperty("targets", testing::PrintToString(names));
 }
 
-// The weight that a product of bfloat16 reads from a packed matrix of `columns` columns.
-float Unpacked(Aligned& packed, int columns, int row, int column) {
-  const int pairs = (columns + 1) / 2;
-  const float both =
-      packed[(row / kPanelRows * pairs + column / 2) * kPanelRows + row % kPanelRows];
+// The weight that a product reads from a packed matrix of `columns` columns, `together` of which
+// share a number.
+float Unpacked(const Aligned& packed, Precision precision, int columns, int together, int row,
+               int column) {
+  const int pairs = (columns + 1) / 2, panel = row / kPanelRows, in_panel = row % kPanelRows;
+  if (precision == Precision::kInt8) {
+    const int groups = (columns + together - 1) / together;
+    const auto* const begin = reinterpret_cast<const std::int8_t*>(packed.data()) +
+                              panel * (pairs * 2 + groups * 4) * kPanelRows;
+    const auto* const scales = reinterpret_cast<const float*>(begin + pairs * 2 * kPanelRows);
+    return static_cast<float>(begin[(column / 2 * kPanelRows + in_panel) * 2 + column % 2]) *
+           scales[column / together * kPanelRows + in_panel];
+  }
+  const float both = packed[(panel * pairs + column / 2) * kPanelRows + in_panel];
   return column % 2 == 1 ? both : std::bit_cast<float>(std::bit_cast<std::uint32_t>(both) << 16);
 }
 
-// Processed as fours, two and one; an LSTM layer takes sixteen at a time, a product of bfloat16
-// thirty-two.
+// How far a packed weight may be from the one that it rounds; of int8 the largest of its row is 1.
+double MostRounding(Precision precision, float weight) {
+  return precision == Precision::kInt8 ? 0.501 / 127 : 2e-38 + std::ldexp(std::abs(weight), -8);
+}
+
+// The inputs as a product reads them.
+std::vector<double> Read(const Aligned& x, Precision precision, int columns, int together) {
+  std::vector<double> read(x.data(), x.data() + columns);
+  if (precision != Precision::kInt8) return read;
+  for (int first = 0; first < columns; first += together) {
+    const int end = std::min(columns, first + together);
+    float most = 0;
+    for (int i = first; i < end; ++i) most = std::max(most, std::abs(x[i]));
+    for (int i = first; i < end; ++i) {
+      read[i] = most == 0
+                    ? 0.0
+                    : static_cast<double>(std::nearbyint(x[i] * (32767 / most))) * most / 32767;
+    }
+  }
+  return read;
+}
+
+// Processed as fours, two and one; an LSTM layer and products of int8 take sixteen at a time.
 constexpr int kInputs = 39;
 
 // One product of `rows` x `columns` with several inputs: together, and each alone.
-void CheckAffine(const Kernels& kernels, int rows, int columns, bool relu, std::mt19937& random) {
+void CheckAffine(Precision precision, int rows, int columns, bool relu, std::mt19937& random) {
+  const Kernels& kernels = BestKernels(precision);
   SCOPED_TRACE(std::to_string(rows) + " x " + std::to_string(columns));
   const int panels = PaddedRows(rows) / kPanelRows;
   Aligned weights(static_cast<std::size_t>(PaddedRows(rows)) * columns);
@@ -88,10 +121,11 @@ void CheckAffine(const Kernels& kernels, int rows, int columns, bool relu, std::
     together.emplace_back(PaddedRows(rows));
   }
   if (rounded) {
-    kernels.pack(weights.data(), panels, columns);
+    kernels.pack(weights.data(), panels, columns, kScaleColumns);
     for (int i = 0; i < rows * columns; ++i) {
-      const float packed = Unpacked(weights, columns, i / columns, i % columns);
-      ASSERT_NEAR(packed, dense[i], 2e-38F + std::ldexp(std::abs(dense[i]), -8)) << i;
+      const float packed =
+          Unpacked(weights, precision, columns, kScaleColumns, i / columns, i % columns);
+      ASSERT_NEAR(packed, dense[i], MostRounding(precision, dense[i])) << i;
       dense[i] = packed;
     }
   }
@@ -103,10 +137,11 @@ void CheckAffine(const Kernels& kernels, int rows, int columns, bool relu, std::
   }
   kernels.affine(weights.data(), panels, columns, all, relu);
   for (int i = 0; i < kInputs; ++i) {
+    const std::vector<double> read = Read(x[i], precision, columns, kScaleColumns);
     for (int row = 0; row < rows; ++row) {
       double expected = bias[i][row];
       for (int column = 0; column < columns; ++column) {
-        expected += static_cast<double>(dense[row * columns + column]) * x[i][column];
+        expected += static_cast<double>(dense[row * columns + column]) * read[column];
       }
       if (relu) expected = std::max(0.0, expected);
       ASSERT_NEAR(alone[i][row], expected, 2e-7 * (columns + 2)) << row;
@@ -115,22 +150,65 @@ void CheckAffine(const Kernels& kernels, int rows, int columns, bool relu, std::
   }
 }
 
-void CheckAffineOfAnySize(const Kernels& kernels) {
-  SCOPED_TRACE(kernels.target);
+void CheckAffineOfAnySize(Precision precision) {
+  SCOPED_TRACE(BestKernels(precision).target);
   std::mt19937 random(1);
   for (const int rows : {1, 15, 16, 17, 32, 33, 58, 64, 86, 128, 148, 161, 300}) {
     for (const int columns : {1, 2, 3, 5, 32, 58, 86, 128, 211}) {
-      CheckAffine(kernels, rows, columns, (rows + columns) % 2 == 0, random);
+      if (columns == 1 && precision == Precision::kInt8) continue;  // takes two or more
+      CheckAffine(precision, rows, columns, (rows + columns) % 2 == 0, random);
     }
   }
 }
 
 TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
-  OnEachTarget([] { CheckAffineOfAnySize(BestKernels()); });
+  OnEachTarget([] { CheckAffineOfAnySize(Precision::kFloat32); });
 }
 
 TEST(Kernels, AffineOfBfloat16OfAnySize) {
-  OnEachTarget([] { CheckAffineOfAnySize(BestKernels(Precision::kBfloat16)); });
+  OnEachTarget([] { CheckAffineOfAnySize(Precision::kBfloat16); });
+}
+
+TEST(Kernels, AffineOfInt8OfAnySize) {
+  OnEachTarget([] { CheckAffineOfAnySize(Precision::kInt8); });
+}
+
+// Sums of whole numbers are exact, and what follows them is done alike: the same bits.
+TEST(Kernels, ProductsOfInt8AreTheSameBitsOnEachTarget) {
+  constexpr int kRows = 96, kColumns = 211, kPanels = kRows / kPanelRows;
+  std::mt19937 random(6);
+  const Aligned dense(kRows * kColumns, 1, random), x(kColumns, 1, random), bias(kRows, 1, random);
+  std::vector<Aligned> results;
+  OnEachTarget([&] {
+    const Kernels& kernels = BestKernels(Precision::kInt8);
+    Aligned weights = dense, y(kRows);
+    kernels.pack(weights.data(), kPanels, kColumns, kScaleColumns);
+    const Operands one{bias.data(), x.data(), y.data()};
+    kernels.affine(weights.data(), kPanels, kColumns, {&one, 1}, false);
+    results.push_back(y);
+  });
+  for (const Aligned& result : results) {
+    for (int row = 0; row < kRows; ++row) EXPECT_EQ(result[row], results[0][row]) << row;
+  }
+}
+
+// What overflowed before must not become a pose.
+TEST(Kernels, InputsOfInt8ThatAreNotFiniteGiveNoUsualNumber) {
+  for (const float odd : {kInfinity, -kInfinity, kNan}) {
+    for (const int at : {0, 5, 63, 69}) {
+      OnEachTarget([=] {
+        const Kernels& kernels = BestKernels(Precision::kInt8);
+        std::mt19937 random(7);
+        Aligned weights(kPanelRows * 70, 1, random), bias(kPanelRows), x(70, 1, random),
+            y(kPanelRows);
+        x[at] = odd;
+        kernels.pack(weights.data(), 1, 70, kScaleColumns);
+        const Operands one{bias.data(), x.data(), y.data()};
+        kernels.affine(weights.data(), 1, 70, {&one, 1}, false);
+        EXPECT_FALSE(std::abs(y[0]) < 1e30F) << odd << " at " << at << ", " << kernels.target;
+      });
+    }
+  }
 }
 
 // The first of a pair is the nearest bfloat16, ties to even; the second is as near, and keeps the
@@ -149,7 +227,7 @@ TEST(Kernels, Bfloat16IsTheNearest) {
       Aligned weights(2 * kPanelRows), bias(kPanelRows), x(2), y(kPanelRows);
       x[0] = 1;
       weights[0] = weights[kPanelRows] = from;
-      kernels.pack(weights.data(), 1, 2);
+      kernels.pack(weights.data(), 1, 2, 2);
       const Operands one{bias.data(), x.data(), y.data()};
       kernels.affine(weights.data(), 1, 2, {&one, 1}, false);
       EXPECT_EQ(y[0], to) << kernels.target << ' ' << from;
@@ -170,9 +248,9 @@ TEST(Kernels, PackedWeightsAreNormalAndFinite) {
       Aligned weights(2 * kPanelRows);
       weights[0] = even;
       weights[kPanelRows] = odd;
-      BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 2);
+      BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 2, 2);
       for (const auto& [column, from] : {std::pair{0, even}, {1, odd}}) {
-        const float packed = Unpacked(weights, 2, 0, column);
+        const float packed = Unpacked(weights, Precision::kBfloat16, 2, 2, 0, column);
         SCOPED_TRACE(testing::Message() << column << ", " << even << ' ' << odd);
         EXPECT_TRUE(std::isfinite(packed));
         EXPECT_NE(std::fpclassify(packed), FP_SUBNORMAL);
@@ -188,7 +266,7 @@ TEST(Kernels, InputsOfBfloat16AreFloats) {
     Aligned weights(kPanelRows), bias(kPanelRows), x(1), y(kPanelRows);
     x[0] = 1.0F / 3;
     weights[0] = 1;
-    BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 1);
+    BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 1, 1);
     const Operands one{bias.data(), x.data(), y.data()};
     BestKernels(Precision::kBfloat16).affine(weights.data(), 1, 1, {&one, 1}, false);
     EXPECT_EQ(y[0], x[0]);
@@ -244,40 +322,44 @@ struct Layer {
     }
   }
   // Rounds the weights, and `dense` to what is read of them.
-  void Pack(const Kernels& kernels) {
-    kernels.pack(weights.data(), kRows / kPanelRows, kColumns);
+  void Pack(Precision precision) {
+    BestKernels(precision).pack(weights.data(), kRows / kPanelRows, kColumns, Units);
     for (int row = 0; row < kRows; ++row) {
       const int at = LstmRow(row / Units, row % Units);
       for (int column = 0; column < kColumns; ++column) {
-        dense[row * kColumns + column] =
-            (row / Units == 2 ? 1.0F : 2.0F) * Unpacked(weights, kColumns, at, column);
+        dense[row * kColumns + column] = (row / Units == 2 ? 1.0F : 2.0F) *
+                                         Unpacked(weights, precision, kColumns, Units, at, column);
       }
     }
   }
-  double Gate(int gate, int unit) {
+  double Gate(Precision precision, int gate, int unit) {
+    const std::vector<double> old_h = Read(h, precision, Units, Units);
+    const std::vector<double> input = Read(z, precision, Units, Units);
     const int row = Units * gate + unit;
     double sum = bias[LstmRow(gate, unit)] * (gate == 2 ? 1.0 : 2.0);
     for (int column = 0; column < kColumns; ++column) {
       sum += static_cast<double>(dense[row * kColumns + column]) *
-             (column < Units ? h[column] : z[column - Units]);
+             (column < Units ? old_h[column] : input[column - Units]);
     }
     return sum;
   }
 };
 
 template <int Units>
-void ExpectLayerOfTheEquations(const Kernels& kernels) {
+void ExpectLayerOfTheEquations(Precision precision) {
+  const Kernels& kernels = BestKernels(precision);
   SCOPED_TRACE(kernels.target);
   std::mt19937 random(3);
   for (const float bound : {0.01F, 1.0F, 5.0F, 30.0F, 1000.0F}) {
     for (int repeat = 0; repeat < 20; ++repeat) {
       Layer<Units> layer(bound, random);
-      if (kernels.pack != nullptr) layer.Pack(kernels);
+      if (kernels.pack != nullptr) layer.Pack(precision);
       std::vector<double> c, h;
       for (int unit = 0; unit < Units; ++unit) {
-        c.push_back(Sigmoid(layer.Gate(1, unit)) * layer.c[unit] +
-                    Sigmoid(layer.Gate(0, unit)) * std::tanh(layer.Gate(2, unit)));
-        h.push_back(Sigmoid(layer.Gate(3, unit)) * std::tanh(c.back()));
+        c.push_back(Sigmoid(layer.Gate(precision, 1, unit)) * layer.c[unit] +
+                    Sigmoid(layer.Gate(precision, 0, unit)) *
+                        std::tanh(layer.Gate(precision, 2, unit)));
+        h.push_back(Sigmoid(layer.Gate(precision, 3, unit)) * std::tanh(c.back()));
       }
       const LstmOperands state{layer.z.data(), layer.h.data(), layer.c.data()};
       kernels.lstm(Units, layer.weights.data(), layer.bias.data(), {&state, 1});
@@ -293,15 +375,17 @@ void ExpectLayerOfTheEquations(const Kernels& kernels) {
 
 TEST(Kernels, LstmLayerIsThatOfTheEquations) {
   OnEachTarget([] {
-    ExpectLayerOfTheEquations<32>(BestKernels());
-    ExpectLayerOfTheEquations<64>(BestKernels());
+    ExpectLayerOfTheEquations<32>(Precision::kFloat32);
+    ExpectLayerOfTheEquations<64>(Precision::kFloat32);
   });
 }
 
-TEST(Kernels, LstmLayerOfBfloat16IsThatOfTheEquations) {
+TEST(Kernels, RoundedLstmLayersAreThoseOfTheEquations) {
   OnEachTarget([] {
-    ExpectLayerOfTheEquations<32>(BestKernels(Precision::kBfloat16));
-    ExpectLayerOfTheEquations<64>(BestKernels(Precision::kBfloat16));
+    for (const Precision precision : {Precision::kBfloat16, Precision::kInt8}) {
+      ExpectLayerOfTheEquations<32>(precision);
+      ExpectLayerOfTheEquations<64>(precision);
+    }
   });
 }
 
@@ -311,7 +395,7 @@ void ExpectStatesTogetherAsAlone(const Kernels& kernels) {
   std::mt19937 random(5);
   Layer<Units> layer(2, random);
   if (kernels.pack != nullptr) {
-    kernels.pack(layer.weights.data(), 4 * Units / kPanelRows, 2 * Units);
+    kernels.pack(layer.weights.data(), 4 * Units / kPanelRows, 2 * Units, Units);
   }
   std::vector<Aligned> z, h, c;
   std::vector<LstmOperands> all;
@@ -342,10 +426,12 @@ TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
   });
 }
 
-TEST(Kernels, LstmStatesOfBfloat16TogetherAreBitForBitThoseAlone) {
+TEST(Kernels, RoundedLstmStatesTogetherAreBitForBitThoseAlone) {
   OnEachTarget([] {
-    ExpectStatesTogetherAsAlone<32>(BestKernels(Precision::kBfloat16));
-    ExpectStatesTogetherAsAlone<64>(BestKernels(Precision::kBfloat16));
+    for (const Precision precision : {Precision::kBfloat16, Precision::kInt8}) {
+      ExpectStatesTogetherAsAlone<32>(BestKernels(precision));
+      ExpectStatesTogetherAsAlone<64>(BestKernels(precision));
+    }
   });
 }
 
