@@ -9,9 +9,9 @@
 
 namespace styled::runtime {
 
-// Threads that help one thread, the owner, with work that consists of independent parts. Each part
-// is taken by whoever is free, the owner included. A helper that the system does not schedule in
-// time therefore delays nothing: the owner does all parts that nobody took.
+// Threads that help one thread, the owner, with work that consists of independent parts. The owner
+// and the helpers that are free take one part after the other. A helper that the system does not
+// schedule in time therefore delays nothing: the owner does the parts that no helper took.
 //
 // A helper polls for kPoll_us after its last part, so that the next work of the same cycle finds it
 // awake, and then sleeps. Run neither allocates nor locks; it makes a system call if a helper
@@ -51,8 +51,8 @@ class Helpers {
  private:
   using Call = void (*)(const void* work, int part) noexcept;
 
-  // What is left to take of the current run. One word, so that a helper that is late cannot take a
-  // part of one run for a part of the next.
+  // The parts left to take of the current run. One word, so that a helper that is late cannot take
+  // a part of one run for a part of the next.
   struct Left {
     std::uint32_t run = 0;
     std::uint16_t parts = 0, next = 0;

@@ -161,7 +161,7 @@ class LayerReader {
 
 template <int Rows, int Columns>
 void RoundMatrix(const Kernels& kernels, PackedMatrix<Rows, Columns>& weight) {
-  static_assert(Columns <= net::kMostColumns);
+  static_assert(Columns >= 2 && Columns <= net::kMostColumns);
   kernels.pack(weight.data(), net::PaddedRows(Rows) / net::kPanelRows, Columns, net::kScaleColumns);
 }
 template <int Latent>

@@ -512,8 +512,8 @@ struct WholeInputs {
   float scale[kMostStates][kMostColumns / 32];  // of each group
 };
 
-// Up to `together` columns as multiples of the largest of them. What is not finite makes the scale
-// not finite, and thus the product.
+// Up to `together` columns as multiples of the largest of them. A value that is not finite makes
+// the scale not finite, and thus the product.
 HWY_INLINE float Whole(const float* x, int columns, std::int16_t* whole) {
   V largest = hn::Zero(d), not_finite = hn::Zero(d);
   int i = 0;

@@ -173,7 +173,7 @@ TEST(Kernels, AffineOfInt8OfAnySize) {
   OnEachTarget([] { CheckAffineOfAnySize(Precision::kInt8); });
 }
 
-// Sums of whole numbers are exact, and what follows them is done alike: the same bits.
+// Sums of whole numbers are exact, and all targets round alike after them: the same bits.
 TEST(Kernels, ProductsOfInt8AreTheSameBitsOnEachTarget) {
   constexpr int kRows = 96, kColumns = 211, kPanels = kRows / kPanelRows;
   std::mt19937 random(6);
@@ -192,7 +192,7 @@ TEST(Kernels, ProductsOfInt8AreTheSameBitsOnEachTarget) {
   }
 }
 
-// What overflowed before must not become a pose.
+// An overflow in an earlier layer must not become a pose.
 TEST(Kernels, InputsOfInt8ThatAreNotFiniteGiveNoUsualNumber) {
   for (const float odd : {kInfinity, -kInfinity, kNan}) {
     for (const int at : {0, 5, 63, 69}) {
