@@ -10,9 +10,13 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/source/rigs/make.h"
+#include "model/net/load.h"
+#include "model/net/shipped_weights.h"
 #include "model/synthetic/performer.h"
 #include "sim/rigs/rig.h"
 #include "tests/bench/plain_step.h"
+#include "tests/support/native_frames.h"
+#include "tests/support/rig.h"
 
 namespace styled {
 namespace {
@@ -44,16 +48,18 @@ struct Clock final : runtime::Clock {
 };
 
 struct Publisher final : publish::Publisher {
+  explicit Publisher(std::string the_topic) : topic(std::move(the_topic)) {}
   void Send(std::string_view, std::span<const std::byte> payload) noexcept override {
     bytes += payload.size();
     ++messages;
   }
   bool NextSubscription(publish::SubscriptionEvent& event) override {
-    event = {true, "styled/rig.sim/canonical/"};
+    event = {true, topic};
     return std::exchange(asking, false);
   }
   int fd() const override { return -1; }
   std::size_t bytes = 0, messages = 0;
+  std::string topic;
   bool asking = true;
 };
 
@@ -115,7 +121,7 @@ void Published(benchmark::State& state, const std::string& type) {
   Sender sender(type);
   Clock clock;
   runtime::Counters counters;
-  Publisher publisher;
+  Publisher publisher("styled/rig.sim/canonical/");
   pipeline::Mailboxes mailboxes;
   auto config = std::make_shared<pipeline::RuntimeConfig>();
   config->network = erd::RandomStylizer(16, 1);
@@ -129,6 +135,65 @@ void Published(benchmark::State& state, const std::string& type) {
                              static_cast<double>(state.iterations());
 }
 
+// 64 performers in the shipped style, whose frames arrive in full batches: `state.range(0)` threads
+// style them. From the decoded datagrams to the published bundle, in real time per frame.
+void Crowd(benchmark::State& state) {
+  constexpr int kPerformers = 64;
+  const auto threads = static_cast<int>(state.range(0));
+  runtime::Helpers helpers(threads - 1);
+  runtime::SystemClock clock;
+  runtime::Counters counters;
+  Publisher publisher("frames/rig/");
+  pipeline::Mailboxes mailboxes;
+  auto config = std::make_shared<pipeline::RuntimeConfig>();
+  config->network = net::Load(state.range(1) == 0 ? net::FindWeights("v2").value()
+                                                  : net::FindWeights("graph").value(),
+                              net::Precision::kBfloat16)
+                        .value();
+  config->style.initial = "elderly";
+  pipeline::Pipeline pipeline({.clock = clock,
+                               .counters = counters,
+                               .publisher = publisher,
+                               .mailboxes = mailboxes,
+                               .helpers = threads == 1 ? nullptr : &helpers},
+                              {"rig"}, {}, config, 1, 100);
+  std::vector<support::Rig> rigs;
+  for (int i = 0; i < kPerformers; ++i) rigs.emplace_back("p" + std::to_string(i), 7 + i);
+  // Calls deliver(datagrams) for each full batch.
+  const auto in_batches = [&rigs](auto make, auto deliver) {
+    for (std::size_t from = 0; from < rigs.size(); from += source::kBatch) {
+      std::vector<support::Bytes> datagrams;
+      for (std::size_t i = 0; i < source::kBatch; ++i) datagrams.push_back(make(rigs[from + i]));
+      const std::vector<std::span<const std::byte>> spans(datagrams.begin(), datagrams.end());
+      deliver(spans);
+    }
+  };
+  const auto hand_on = [&](std::span<const std::span<const std::byte>> datagrams) {
+    support::HandOn(datagrams, {}, counters, pipeline);
+  };
+  while (pipeline.DoWork() > 0) continue;
+  in_batches([](support::Rig& rig) { return rig.Body(); }, hand_on);
+  while (pipeline.DoWork() > 0) continue;
+  for (auto _ : state) {
+    state.PauseTiming();
+    in_batches([](support::Rig& rig) { return rig.Frame(); },
+               [&](std::span<const std::span<const std::byte>> datagrams) {
+                 state.ResumeTiming();
+                 hand_on(datagrams);
+                 state.PauseTiming();
+               });
+    state.ResumeTiming();
+  }
+  const auto frames = static_cast<double>(state.iterations() * kPerformers);
+  state.counters["us_per_frame"] =
+      benchmark::Counter(frames / 1e6, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+BENCHMARK(Crowd)
+    ->ArgNames({"threads", "graph"})
+    ->ArgsProduct({{1, 2}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(HandedOn, vmc, "vmc");
 BENCHMARK_CAPTURE(HandedOn, mvn, "mvn");
 BENCHMARK_CAPTURE(HandedOn, mocopi, "mocopi");

@@ -2,6 +2,7 @@
 """Runs the benches of a build and prints one table: name, goal, measurement.
 
     tests/bench/run.py [BUILD=build/release] [--out FOLDER] [--seconds S] [--rounds N] [--priority P]
+    tests/bench/run.py [BUILD] --against COMMIT [--write]     this commit beside another one: against.py
 
 Every figure is a ratio within one run, or a count. All are also written to FOLDER/bench.json, and two
 plots if Debian's python3-matplotlib is installed. Nothing else should run at the same time.
@@ -11,6 +12,9 @@ import json
 import pathlib
 import subprocess
 import sys
+
+import against
+import figures as of_readme
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PERIOD_US = 1e6 / 120
@@ -22,7 +26,13 @@ arguments.add_argument('--seconds', default=5.0, type=float, help='of each round
 arguments.add_argument('--rounds', default=3, type=int)
 arguments.add_argument('--priority', default=0, type=int, help='SCHED_FIFO of the loops; 0: normal')
 arguments.add_argument('--most', default=1000, type=int, help='performers at most')
+arguments.add_argument('--against', metavar='COMMIT', help='build it, too, and print ratios of times')
+arguments.add_argument('--only', default='', metavar='REGEX', help='with --against: rows whose names match')
+arguments.add_argument('--write', action='store_true', help='with --against: history.json, SPEED.md and its plot')
 options = arguments.parse_args()
+if options.against:
+    against.run(options.against, options, of_readme.machine(), of_readme.fnv1a64(of_readme.WEIGHTS))
+    sys.exit()
 out = options.out or options.build / 'bench'
 out.mkdir(parents=True, exist_ok=True)
 rows, figures = [], {}

@@ -1,4 +1,5 @@
 """README.md gives no figure that tests/bench/FIGURES.md does not have, measured with the weights that ship."""
+import json
 import os
 import re
 import subprocess
@@ -7,6 +8,7 @@ import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 sys.path.insert(0, os.path.join(ROOT, 'tests', 'bench'))
+import against  # noqa: E402
 from figures import FIGURES, WEIGHTS, fnv1a64, rows_of  # noqa: E402
 
 # Numbers of README.md that are not measured, each with its reason. Any other number is a figure.
@@ -67,6 +69,25 @@ class FiguresTest(unittest.TestCase):
                 shallow = subprocess.run(['git', 'rev-parse', '--is-shallow-repository'], cwd=ROOT,
                                          capture_output=True, text=True, check=False).stdout.strip()
                 self.assertTrue(known.returncode == 0 or shallow != 'false', f'no commit {commit}')
+
+    def test_the_page_of_speed_says_what_was_measured(self):
+        history = json.loads(read('tests', 'bench', 'history.json'))
+        self.assertEqual(against.page_of(history), read('tests', 'bench', 'SPEED.md'))
+        for entry in history:
+            for row in entry['rows']:
+                self.assertLessEqual(row['low'], row['ratio'], row['name'])
+                self.assertLessEqual(row['ratio'], row['high'], row['name'])
+
+    def test_a_ratio_has_the_interval_of_its_rounds(self):
+        self.assertEqual((0.5, 0.5, 0.5), against.interval([0.5] * 5))
+        ratio, low, high = against.interval([0.9, 1.0, 1.1, 1.0, 3.0])
+        self.assertEqual(1.0, ratio)
+        self.assertLess(low, 1.0)
+        self.assertGreater(high, 1.0)
+        rows = [{'name': 'step', 'ratio': 0.5}]
+        history = [{'machine': 'm', 'against': 'a', 'commit': 'b', 'rows': rows},
+                   {'machine': 'm', 'against': 'b', 'commit': 'c', 'rows': rows}]
+        self.assertEqual({('m', 'step'): [('a', 1.0), ('b', 0.5), ('c', 0.25)]}, against.chains(history))
 
     def test_a_figure_that_is_made_up_is_found(self):
         self.assertEqual(['3.5 cm/s'], unexplained('Feet slide 3.5 cm/s.\n'))
