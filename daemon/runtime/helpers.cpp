@@ -29,7 +29,7 @@ Helpers::Left Helpers::Unpacked(std::uint64_t word) noexcept {
           static_cast<std::uint16_t>(word)};
 }
 
-Helpers::Helpers(int count, std::function<void(int)> begin) {
+Helpers::Helpers(int count, const std::function<void(int)>& begin) {
   threads_.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     threads_.emplace_back([this, begin, i] {

@@ -25,7 +25,7 @@ class Helpers {
   // `count` threads, 0 .. kMost. Each calls `begin` with its number first, for its name and
   // scheduling.
   explicit Helpers(
-      int count, std::function<void(int)> begin = [](int) {});
+      int count, const std::function<void(int)>& begin = [](int) {});
   ~Helpers();
   Helpers(const Helpers&) = delete;
   Helpers& operator=(const Helpers&) = delete;

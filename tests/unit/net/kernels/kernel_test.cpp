@@ -63,12 +63,12 @@ float Unpacked(const Aligned& packed, Precision precision, int columns, int toge
                int column) {
   const int pairs = (columns + 1) / 2, panel = row / kPanelRows, in_panel = row % kPanelRows;
   if (precision == Precision::kInt8) {
-    const int groups = (columns + together - 1) / together;
+    const int groups = (columns + together - 1) / together, group = column / together;
     const auto* const begin = reinterpret_cast<const std::int8_t*>(packed.data()) +
                               panel * (pairs * 2 + groups * 4) * kPanelRows;
     const auto* const scales = reinterpret_cast<const float*>(begin + pairs * 2 * kPanelRows);
     return static_cast<float>(begin[(column / 2 * kPanelRows + in_panel) * 2 + column % 2]) *
-           scales[column / together * kPanelRows + in_panel];
+           scales[group * kPanelRows + in_panel];
   }
   const float both = packed[(panel * pairs + column / 2) * kPanelRows + in_panel];
   return column % 2 == 1 ? both : std::bit_cast<float>(std::bit_cast<std::uint32_t>(both) << 16);
@@ -439,8 +439,8 @@ TEST(Kernels, RoundedLstmStatesTogetherAreBitForBitThoseAlone) {
 TEST(Kernels, TanhIsGoodToAFewUlpsEverywhere) {
   OnEachTarget([] {
     SCOPED_TRACE(BestKernels().target);
-    std::vector<float> points{0, 1e-30F, 1e20F, kInfinity};
-    for (float x = 1e-6F; x < 100; x *= 1.001F) points.push_back(x);
+    std::vector<float> points{0, 1e-30F, 1e20F, kInfinity, 1e-6F};
+    while (points.back() < 100) points.push_back(points.back() * 1.001F);
     double largest = 0, largest_relative = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       Aligned weights(128 * 64), bias(128), z(32), h(32), c(32);
