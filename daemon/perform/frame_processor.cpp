@@ -13,7 +13,7 @@ using runtime::kSecond_ns;
 namespace {
 
 constexpr std::size_t kTogether = stylist::Stylist::kTogether;
-// Frames that one thread styles at least.
+// Frames that one thread styles at least: two of v2 take some 40 us. Not picked by a figure yet.
 constexpr std::size_t kFewest = 2;
 
 }  // namespace
@@ -299,7 +299,7 @@ std::size_t FrameProcessor::MostInGroup() const noexcept {
 }
 
 // Calls work(from, to) for all of `count` frames, at most kTogether at a time. With helpers, for as
-// many parts as there are threads, but for no fewer frames than pay for waking a thread.
+// many parts as there are threads, but of kFewest frames at least.
 template <typename Work>
 void FrameProcessor::Share(std::size_t count, const Work& work) noexcept {
   const std::size_t threads =
