@@ -102,9 +102,11 @@ std::vector<body::Pose> Styled(const std::shared_ptr<const net::Stylizer>& netwo
 }
 
 // Beside what the style itself does, which no method that leaves it out can pass.
-TEST(TrialTest, RoundedWeightsGiveNearlyTheSamePoses) {
+class RoundedTrialTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(RoundedTrialTest, GivesNearlyTheSamePoses) {
   const std::string file = STYLED_SHIPPED "/v2.safetensors";
-  const auto rounded = net::Load(file, net::Precision::kBfloat16);
+  const auto rounded = net::Load(file, net::PrecisionNamed(GetParam()));
   ASSERT_TRUE(rounded.ok()) << rounded.status().message();
   const auto network = net::Load(file);
   ASSERT_TRUE(network.ok()) << network.status().message();
@@ -130,6 +132,8 @@ TEST(TrialTest, RoundedWeightsGiveNearlyTheSamePoses) {
       worst.rms_deg, worst.largest_deg, least_style_deg);
   EXPECT_LT(worst.largest_deg, 10);
 }
+INSTANTIATE_TEST_SUITE_P(Precisions, RoundedTrialTest, testing::Values("bfloat16", "int8"),
+                         [](const auto& precision) { return precision.param; });
 
 TEST(TrialTest, RandomWeightsPassWithRoomToSpare) {
   Figures worst;
