@@ -10,7 +10,7 @@ namespace {
 constexpr float kBent_rad = 0.3F;
 
 // Ten frames with the head rotated by `turn_rad`, and the spine bent if `style` is 1.
-train::TrainingClip Clip(int style, int content, float turn_rad) {
+train::TrainingClip ArmClip(int style, int content, float turn_rad) {
   train::TrainingClip clip;
   clip.style = style;
   clip.content = content;
@@ -29,8 +29,9 @@ TEST(Baseline, WrittenAsWeightsStylesAsItself) {
   data.manifest.licence = "CC0-1.0";
   data.manifest.styles = {{"neutral", {}, {}}, {"bent", {}, {"stooped"}}};
   data.manifest.contents = {"left", "right"};
-  data.train = {Clip(0, 0, 0.4F), Clip(0, 1, -0.4F), Clip(1, 0, 0.4F), Clip(1, 1, -0.4F)};
-  data.inputs = {Clip(0, 0, 0.2F).poses};
+  data.train = {ArmClip(0, 0, 0.4F), ArmClip(0, 1, -0.4F), ArmClip(1, 0, 0.4F),
+                ArmClip(1, 1, -0.4F)};
+  data.inputs = {ArmClip(0, 0, 0.2F).poses};
   data.contents = {0};
 
   const support::TemporaryFolder folder;

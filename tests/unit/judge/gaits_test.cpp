@@ -21,7 +21,7 @@ const std::vector<std::string> kContents{"walk", "run", "dash", "bow"};
 enum Content { kWalk, kRun, kDash, kBow };
 
 // Each frame's place along z is its number.
-train::TrainingClip Clip(int style, Content content, int frames) {
+train::TrainingClip GaitClip(int style, Content content, int frames) {
   train::TrainingClip clip = train::Walker(frames);
   clip.style = style;
   clip.content = content;
@@ -59,7 +59,7 @@ GaitParts Split(const std::vector<train::TrainingClip>& clips, const GaitSplitti
 }
 
 TEST(Gaits, AWalkIsExampleJudgesPartAndRealPartAndFoldsExchangeTheLatter) {
-  const std::vector<train::TrainingClip> clips{Clip(1, kWalk, 200), Clip(1, kBow, 50)};
+  const std::vector<train::TrainingClip> clips{GaitClip(1, kWalk, 200), GaitClip(1, kBow, 50)};
   const GaitParts one = Split(clips, {.fold = 0});
   EXPECT_EQ(Range(one.examples[1][0]), std::pair(0, 90));
   EXPECT_EQ(JudgesOf(one, 1, kWalk), (Ranges{{90, 145}}));
@@ -76,13 +76,13 @@ TEST(Gaits, AWalkIsExampleJudgesPartAndRealPartAndFoldsExchangeTheLatter) {
 }
 
 TEST(Gaits, AThirdOfALongWalkIsTheExample) {
-  const GaitParts parts = Split({Clip(1, kWalk, 480)}, {});
+  const GaitParts parts = Split({GaitClip(1, kWalk, 480)}, {});
   EXPECT_EQ(Range(parts.examples[1][0]), std::pair(0, 160));
   EXPECT_EQ(JudgesOf(parts, 1, kWalk), (Ranges{{160, 320}}));
 }
 
 TEST(Gaits, ARestTooShortForTwoPartsIsTheJudgesOrReal) {
-  const std::vector<train::TrainingClip> clips{Clip(1, kWalk, 143)};
+  const std::vector<train::TrainingClip> clips{GaitClip(1, kWalk, 143)};
   const GaitParts one = Split(clips, {.fold = 0});
   EXPECT_EQ(JudgesOf(one, 1, kWalk), (Ranges{{90, 143}}));
   EXPECT_TRUE(RealOf(one, 1, kWalk).empty());
@@ -90,13 +90,13 @@ TEST(Gaits, ARestTooShortForTwoPartsIsTheJudgesOrReal) {
   EXPECT_TRUE(JudgesOf(two, 1, kWalk).empty());
   EXPECT_EQ(RealOf(two, 1, kWalk), (Ranges{{90, 143}}));
   // Not a window is left.
-  const GaitParts none = Split({Clip(1, kWalk, 120)}, {});
+  const GaitParts none = Split({GaitClip(1, kWalk, 120)}, {});
   EXPECT_TRUE(JudgesOf(none, 1, kWalk).empty());
   EXPECT_EQ(Range(none.examples[1][0]), std::pair(0, 90));
 }
 
 TEST(Gaits, RunsAndDashesHaveNoExampleUnlessTheRunIsOne) {
-  const std::vector<train::TrainingClip> clips{Clip(1, kRun, 80), Clip(1, kDash, 70)};
+  const std::vector<train::TrainingClip> clips{GaitClip(1, kRun, 80), GaitClip(1, kDash, 70)};
   const GaitParts one = Split(clips, {.fold = 0});
   EXPECT_TRUE(one.examples[1][1].empty());
   EXPECT_EQ(JudgesOf(one, 1, kRun), (Ranges{{0, 40}}));
@@ -115,8 +115,8 @@ TEST(Gaits, RunsAndDashesHaveNoExampleUnlessTheRunIsOne) {
 
 // The control of the protocol: only with the leak do the judges see a frame of an example.
 TEST(Gaits, TheJudgesSeeAnExampleOnlyWithALeakAndNeverARealPart) {
-  const std::vector<train::TrainingClip> clips{Clip(0, kWalk, 195), Clip(1, kWalk, 200),
-                                               Clip(1, kRun, 100), Clip(1, kDash, 70)};
+  const std::vector<train::TrainingClip> clips{GaitClip(0, kWalk, 195), GaitClip(1, kWalk, 200),
+                                               GaitClip(1, kRun, 100), GaitClip(1, kDash, 70)};
   const auto overlaps = [](const GaitParts& parts, Content content, std::pair<int, int> with) {
     const Ranges seen = JudgesOf(parts, 1, content);
     return std::any_of(seen.begin(), seen.end(), [&](const auto& range) {
@@ -142,7 +142,7 @@ TEST(Gaits, TheJudgesSeeAnExampleOnlyWithALeakAndNeverARealPart) {
 }
 
 TEST(Gaits, APartKeepsTheStateOfItsFrames) {
-  const train::TrainingClip clip = Clip(1, kRun, 50);
+  const train::TrainingClip clip = GaitClip(1, kRun, 50);
   const train::TrainingClip part = Cut(clip, 10, 25);
   ASSERT_EQ(part.poses.size(), 15U);
   ASSERT_EQ(part.heading_cos.size(), 15U);

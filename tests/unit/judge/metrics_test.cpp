@@ -31,7 +31,7 @@ Eigen::MatrixXd Gaussian(int rows, const Eigen::RowVectorXd& mean,
 
 // A body in the rest pose whose hips follow `path`, at `rate_hz`.
 template <typename Path>
-std::vector<body::Pose> Moving(int frames, double rate_hz, const Path& path) {
+std::vector<body::Pose> MovingAlong(int frames, double rate_hz, const Path& path) {
   std::vector<body::Pose> poses(static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i) {
     poses[i].hips_position_m += path(static_cast<float>(i / rate_hz));
@@ -122,33 +122,34 @@ TEST(Pca, KeepsNoMoreDimensionsThanThereAre) {
 }
 
 TEST(MeanJerk, OfACubicIsItsThirdDerivative) {
-  const auto poses = Moving(50, 30, [](float t) { return body::Vec3(0, t * t * t, 0); });
+  const auto poses = MovingAlong(50, 30, [](float t) { return body::Vec3(0, t * t * t, 0); });
   EXPECT_NEAR(MeanJerk(poses, 30).value(), 6, 0.1);
 }
 
 TEST(MeanJerk, IgnoresTheHorizontalPathOfTheHips) {
-  const auto poses = Moving(50, 30, [](float t) { return body::Vec3(std::sin(9 * t), 0, 5 * t); });
+  const auto poses =
+      MovingAlong(50, 30, [](float t) { return body::Vec3(std::sin(9 * t), 0, 5 * t); });
   EXPECT_NEAR(MeanJerk(poses, 30).value(), 0, 0.1);
 }
 
 TEST(MeanJerk, NeedsFourFrames) {
-  const auto poses = Moving(3, 30, [](float t) { return body::Vec3(0, t, 0); });
+  const auto poses = MovingAlong(3, 30, [](float t) { return body::Vec3(0, t, 0); });
   EXPECT_EQ(MeanJerk(poses, 30).count, 0);
 }
 
 TEST(MeanJerk, GrowsWithNoiseThatVelocityHardlyShows) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal(0, 0.001F);
-  const auto smooth = Moving(100, 120, [](float t) { return body::Vec3(0, std::sin(t), 0); });
-  const auto noisy =
-      Moving(100, 120, [&](float t) { return body::Vec3(0, std::sin(t) + normal(random), 0); });
+  const auto smooth = MovingAlong(100, 120, [](float t) { return body::Vec3(0, std::sin(t), 0); });
+  const auto noisy = MovingAlong(
+      100, 120, [&](float t) { return body::Vec3(0, std::sin(t) + normal(random), 0); });
   EXPECT_GT(MeanJerk(noisy, 120).value(), 100 * MeanJerk(smooth, 120).value());
 }
 
 // Amplitudes of 1 cm, whose jerk is proportional to the amplitude; `start` times as much in the
 // first quarter second.
 std::vector<body::Pose> Swaying(float amplitude, float start) {
-  return Moving(240, 120, [=](float t) {
+  return MovingAlong(240, 120, [=](float t) {
     return body::Vec3(0, 0.01F * amplitude * (t < 0.25F ? start : 1) * std::sin(20 * t), 0);
   });
 }
@@ -185,7 +186,7 @@ TEST(JerkRatios, OfClipsAreAveragedNotPooled) {
   EXPECT_EQ(sum.worst_clip, 1);
 }
 TEST(JerkRatios, OfAShortOrAStillInputAreNotMeasured) {
-  const auto still = Moving(240, 120, [](float) { return body::Vec3(0, 0, 0); });
+  const auto still = MovingAlong(240, 120, [](float) { return body::Vec3(0, 0, 0); });
   EXPECT_EQ(MeasureJerkRatios(still, Swaying(1, 1), 120, 0).clip.count, 0);
   const auto input = Swaying(1, 1);
   const JerkRatios beginning =
@@ -195,7 +196,7 @@ TEST(JerkRatios, OfAShortOrAStillInputAreNotMeasured) {
 }
 
 TEST(LargestAccelerations, OfAParabolaIsTwice) {
-  const auto poses = Moving(20, 30, [](float t) { return body::Vec3(0, 0, t * t); });
+  const auto poses = MovingAlong(20, 30, [](float t) { return body::Vec3(0, 0, t * t); });
   const std::vector<double> accelerations = LargestAccelerations(poses, 30);
   ASSERT_EQ(accelerations.size(), 18U);
   EXPECT_NEAR(accelerations[9], 2, 0.05);
@@ -211,7 +212,8 @@ TEST(Feet, ThatStandDoNotSkate) {
 
 TEST(Feet, SlideAtTheSpeedOfTheOutputWhileTheInputStands) {
   const std::vector<body::Pose> still(60);
-  const auto sliding = Moving(60, 30, [](float t) { return body::Vec3(0.3F * t, 0, 0.4F * t); });
+  const auto sliding =
+      MovingAlong(60, 30, [](float t) { return body::Vec3(0.3F * t, 0, 0.4F * t); });
   const FeetFigures feet = MeasureFeet(still, sliding, 30);
   EXPECT_NEAR(feet.skate_out_cm_s.value(), 50, 0.1);
   EXPECT_EQ(feet.skate_in_cm_s.value(), 0);
@@ -219,15 +221,15 @@ TEST(Feet, SlideAtTheSpeedOfTheOutputWhileTheInputStands) {
 
 TEST(Feet, InTheAirOrFastAreNotInContact) {
   const std::vector<body::Pose> still(60);
-  const auto jump = Moving(60, 30, [](float t) { return body::Vec3(0, t, 0); });
+  const auto jump = MovingAlong(60, 30, [](float t) { return body::Vec3(0, t, 0); });
   EXPECT_LE(MeasureFeet(jump, still, 30).skate_in_cm_s.count, 2);
-  const auto fast = Moving(60, 30, [](float t) { return body::Vec3(0, 0, 2 * t); });
+  const auto fast = MovingAlong(60, 30, [](float t) { return body::Vec3(0, 0, 2 * t); });
   EXPECT_EQ(MeasureFeet(fast, still, 30).skate_in_cm_s.count, 0);
 }
 
 TEST(Feet, BelowTheInputsFloorPenetrate) {
   const std::vector<body::Pose> still(10);
-  const auto sunk = Moving(10, 30, [](float) { return body::Vec3(0, -0.02F, 0); });
+  const auto sunk = MovingAlong(10, 30, [](float) { return body::Vec3(0, -0.02F, 0); });
   const FeetFigures feet = MeasureFeet(still, sunk, 30);
   EXPECT_NEAR(feet.penetration_cm.value(), 2, 1e-3);
   EXPECT_NEAR(feet.deepest_cm, 2, 1e-3);

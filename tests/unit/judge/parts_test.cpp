@@ -23,7 +23,7 @@ std::size_t View(std::string_view key) {
 
 // Two styles that differ in the arms alone: style 1 holds them up and swings them three times as
 // wide.
-train::TrainingClip Clip(int style, float phase) {
+train::TrainingClip CalmOrWildClip(int style, float phase) {
   train::TrainingClip clip = train::Walker(kFrames, phase);
   clip.style = style;
   for (std::size_t t = 0; t < clip.poses.size(); ++t) {
@@ -41,7 +41,7 @@ struct PartJudgesTest : testing::Test {
 
   void SetUp() override {
     for (int i = 0; i < 6; ++i) {
-      for (const int style : {0, 1}) clips.push_back(Clip(style, static_cast<float>(i)));
+      for (const int style : {0, 1}) clips.push_back(CalmOrWildClip(style, static_cast<float>(i)));
     }
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(Cache()); }
@@ -59,8 +59,8 @@ TEST_F(PartJudgesTest, APartsJudgeSeesItsPartAlone) {
   const auto judges = Train();
   ASSERT_TRUE(judges.ok()) << judges.status().message();
   for (const float phase : {0.5F, 2.5F}) {
-    const auto calm = judges.value().Judge(Clip(0, phase).poses, 8).front();
-    const auto wild = judges.value().Judge(Clip(1, phase).poses, 8).front();
+    const auto calm = judges.value().Judge(CalmOrWildClip(0, phase).poses, 8).front();
+    const auto wild = judges.value().Judge(CalmOrWildClip(1, phase).poses, 8).front();
     for (const char* arms : {"arms_pose", "arms_movement", "movement"}) {
       const std::size_t view = View(arms);
       ASSERT_FALSE(calm[view].empty());
@@ -80,7 +80,7 @@ TEST_F(PartJudgesTest, APartsJudgeSeesItsPartAlone) {
 TEST_F(PartJudgesTest, AJudgeOfMovementDoesNotSeeWhereTheHipsAre) {
   const auto judges = Train();
   ASSERT_TRUE(judges.ok()) << judges.status().message();
-  train::TrainingClip high = Clip(1, 0.7F);
+  train::TrainingClip high = CalmOrWildClip(1, 0.7F);
   const auto before = judges.value().Judge(high.poses, 4).front();
   for (body::Pose& pose : high.poses) pose.hips_position_m.y() += 0.5F;
   const auto after = judges.value().Judge(high.poses, 4).front();
@@ -93,14 +93,14 @@ TEST_F(PartJudgesTest, AreReadFromTheCacheAsTheyWereTrained) {
   clips.clear();  // cannot be trained on
   const auto read = Train(3);
   ASSERT_TRUE(read.ok()) << read.status().message();
-  const auto poses = Clip(1, 0.2F).poses;
+  const auto poses = CalmOrWildClip(1, 0.2F).poses;
   EXPECT_EQ(trained.value().Judge(poses, 4), read.value().Judge(poses, 4));
 }
 
 TEST_F(PartJudgesTest, AClipShorterThanAWindowIsNotJudged) {
   const auto judges = Train();
   ASSERT_TRUE(judges.ok());
-  const auto poses = Clip(1, 0.2F).poses;
+  const auto poses = CalmOrWildClip(1, 0.2F).poses;
   const auto by_judge = judges.value().Judge(std::span(poses).first(32), 4);
   for (const auto& answers : by_judge.front()) {
     EXPECT_TRUE(answers.empty());

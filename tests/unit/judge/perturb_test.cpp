@@ -7,7 +7,7 @@
 namespace styled::judge {
 namespace {
 
-Poses Walk() {
+Poses PlainWalk() {
   synthetic::Performer human(synthetic::Vary(1, 1, {{synthetic::Motion::kWalk, 60}}));
   Poses poses(240);
   for (std::size_t i = 0; i < poses.size(); ++i) human.Pose(static_cast<double>(i) / 120, poses[i]);
@@ -19,7 +19,7 @@ double Angle_deg(const body::Quat& a, const body::Quat& b) {
 }
 
 TEST(JudgePerturb, EachDoesWhatItSaysAndTheSameForTheSameSeed) {
-  const Poses walk = Walk();
+  const Poses walk = PlainWalk();
   const auto spoilt = [&](Perturbation kind) { return Perturb(kind, walk, 120, 3); };
 
   const Poses rest = spoilt(Perturbation::kRest);

@@ -19,7 +19,7 @@ using testing::StartsWith;
 const std::vector<std::string> kNames{"neutral", "a", "b", "absent", "c", "d", "e", "unwalked"};
 const std::vector<int> kStyleOf{0, 2, 5, kAbsent, 1, 3, 4, 6};
 enum Style { kNeutral, kA, kB, kStyleAbsent, kC, kD, kE, kUnwalked };
-enum Content { kBow, kWalk };
+enum Pictured { kBowPictured, kWalkPictured };
 
 struct PicturesTest : testing::Test {
   Data data;
@@ -35,15 +35,15 @@ struct PicturesTest : testing::Test {
   void SetUp() override {
     for (const std::string& name : kNames) data.manifest.styles.push_back({name, {}, {}});
     data.manifest.contents = {"bow", "walk"};
-    Add(kNeutral, kWalk, 100);
-    Add(kNeutral, kWalk, 140);
-    Add(kNeutral, kBow, 200);
+    Add(kNeutral, kWalkPictured, 100);
+    Add(kNeutral, kWalkPictured, 140);
+    Add(kNeutral, kBowPictured, 200);
     for (const int style : {kA, kB, kStyleAbsent, kC, kD, kE}) {
-      Add(style, kWalk, 60 + style);
-      Add(style, kWalk, 70 + style);
-      Add(style, kBow, 150 + style);
+      Add(style, kWalkPictured, 60 + style);
+      Add(style, kWalkPictured, 70 + style);
+      Add(style, kBowPictured, 150 + style);
     }
-    Add(kUnwalked, kBow, 180);
+    Add(kUnwalked, kBowPictured, 180);
   }
   std::vector<Picture> Pictures(const std::vector<int>& style_of = kStyleOf) const {
     const auto network = std::make_shared<ArmNetwork>(ArmHabits{});
@@ -139,7 +139,7 @@ TEST_F(PicturesTest, TheMixedClipIsShownWholeAboveItsOutput) {
     ExpectArm(strip, i % 2 == 0 ? 0 : Mean_rad(kB));
     for (const MixedClip::Segment& segment : mixed.segments) {
       if (segment.begin >= strip.first + row || segment.end <= strip.first) continue;
-      EXPECT_THAT(strip.caption, HasSubstr(segment.content == kBow ? "bow" : "walk"));
+      EXPECT_THAT(strip.caption, HasSubstr(segment.content == kBowPictured ? "bow" : "walk"));
     }
   }
   EXPECT_EQ(picture.strips[0].caption, "source from frame 0: bow");
@@ -159,8 +159,9 @@ TEST_F(PicturesTest, TwoStylesAreEnoughAndOneIsNot) {
 }
 
 TEST_F(PicturesTest, ThereAreNoneWithoutANeutralWalk) {
-  std::erase_if(data.validation,
-                [](const auto& clip) { return clip.style == kNeutral && clip.content == kWalk; });
+  std::erase_if(data.validation, [](const auto& clip) {
+    return clip.style == kNeutral && clip.content == kWalkPictured;
+  });
   EXPECT_TRUE(Pictures().empty());
   data.manifest.contents = {"bow", "run"};
   EXPECT_TRUE(Pictures().empty());

@@ -15,8 +15,8 @@ namespace {
 using body::Vec3;
 
 // A walk with a constant turn of one joint.
-train::TrainingClip Clip(int style, int content, body::Joint joint, const Vec3& turn,
-                         float own_rad = 0) {
+train::TrainingClip TurnedClip(int style, int content, body::Joint joint, const Vec3& turn,
+                               float own_rad = 0) {
   train::TrainingClip clip;
   clip.style = style;
   clip.content = content;
@@ -31,13 +31,13 @@ train::TrainingClip Clip(int style, int content, body::Joint joint, const Vec3& 
 TEST(MeasurePostures, IsTheMeanOverTheActsThatNeutralHas) {
   const std::vector<train::TrainingClip> clips{
       // A performer who bends in an act does so in neutral, too.
-      Clip(0, 0, body::kSpine, Vec3::Zero()),
-      Clip(0, 1, body::kSpine, Vec3::Zero(), 0.5F),
-      Clip(1, 0, body::kSpine, Vec3(0.2F, 0, 0)),
-      Clip(1, 1, body::kSpine, Vec3(0.4F, 0, 0), 0.5F),
-      Clip(1, 2, body::kSpine, Vec3(1, 0, 0)),  // an act that neutral lacks
-      Clip(2, 2, body::kHead, Vec3(1, 0, 0)),
-      Clip(3, 0, body::kLeftShoulder, Vec3(0, 0, 0.2F))};
+      TurnedClip(0, 0, body::kSpine, Vec3::Zero()),
+      TurnedClip(0, 1, body::kSpine, Vec3::Zero(), 0.5F),
+      TurnedClip(1, 0, body::kSpine, Vec3(0.2F, 0, 0)),
+      TurnedClip(1, 1, body::kSpine, Vec3(0.4F, 0, 0), 0.5F),
+      TurnedClip(1, 2, body::kSpine, Vec3(1, 0, 0)),  // an act that neutral lacks
+      TurnedClip(2, 2, body::kHead, Vec3(1, 0, 0)),
+      TurnedClip(3, 0, body::kLeftShoulder, Vec3(0, 0, 0.2F))};
   const auto postures = MeasurePostures(clips, 5);
   ASSERT_EQ(postures.size(), 5U);
   EXPECT_FALSE(postures[0]) << "neutral";

@@ -57,9 +57,9 @@ TEST(Restyler, GetsClipsAtTheJudgesRateAndReturnsThemAtTheStreams) {
 }
 
 // A network whose code is the requested one: style, seed, weight and length of each source.
-class Asked final : public net::ClipStylizer {
+class AskedClips final : public net::ClipStylizer {
  public:
-  Asked() { model_.styles = {{"neutral", {}}, {"odd", {}}}; }
+  AskedClips() { model_.styles = {{"neutral", {}}, {"odd", {}}}; }
   const net::Model& model() const noexcept override { return model_; }
   int least_frames() const noexcept override { return 4; }
   net::StyleCode MakeCode(const net::StyleRequest& request) const override {
@@ -83,7 +83,7 @@ class Asked final : public net::ClipStylizer {
 
 TEST(ClipRestyler, CodesAreRequestedByMeanNoiseOrExamples) {
   // The manifest's style 2 is the network's 1; it lacks the manifest's 1.
-  const ClipRestyler restyler(std::make_shared<Asked>(), {kAbsent, kAbsent, 1}, {}, {});
+  const ClipRestyler restyler(std::make_shared<AskedClips>(), {kAbsent, kAbsent, 1}, {}, {});
   EXPECT_FALSE(restyler.Has(1));
   EXPECT_TRUE(restyler.Has(2));
   const Poses first(70);

@@ -7,9 +7,9 @@
 namespace styled::judge {
 namespace {
 
-constexpr int kWalk = 0, kRun = 1, kTurn = 2;
+constexpr int kWalks = 0, kRuns = 1, kTurns = 2;
 
-train::TrainingClip Clip(int style, int content, std::vector<body::Pose> poses) {
+train::TrainingClip SpeedClip(int style, int content, std::vector<body::Pose> poses) {
   train::TrainingClip clip;
   clip.style = style;
   clip.content = content;
@@ -26,12 +26,12 @@ TEST(MeasureSpeeds, IsTheMeanOverTheClipsOfAStyleAndContent) {
   manifest.styles = {{"neutral", {}, {}}, {"brisk", {}, {}}, {"absent", {}, {}}};
   manifest.contents = {"walk", "run", "turn"};
   std::vector<train::TrainingClip> clips;
-  clips.push_back(Clip(0, kWalk, Walk(0, 0.8F, 1)));
-  clips.push_back(Clip(0, kWalk, Walk(1, 1, 1.4F)));
-  clips.push_back(Clip(0, kTurn, Walk(0, 2, 9)));  // neither walk nor run
-  clips.push_back(Clip(0, kRun, Walk(0, 1.4F, 3)));
-  clips.push_back(Clip(1, kWalk, Walk(2, 1.1F, 1.5F)));
-  clips.push_back(Clip(1, kRun, std::vector<body::Pose>(30)));  // too short for either figure
+  clips.push_back(SpeedClip(0, kWalks, Walk(0, 0.8F, 1)));
+  clips.push_back(SpeedClip(0, kWalks, Walk(1, 1, 1.4F)));
+  clips.push_back(SpeedClip(0, kTurns, Walk(0, 2, 9)));  // neither walk nor run
+  clips.push_back(SpeedClip(0, kRuns, Walk(0, 1.4F, 3)));
+  clips.push_back(SpeedClip(1, kWalks, Walk(2, 1.1F, 1.5F)));
+  clips.push_back(SpeedClip(1, kRuns, std::vector<body::Pose>(30)));  // too short for either figure
   const std::vector<StyleSpeeds> speeds = MeasureSpeeds(manifest, clips, kRate_hz);
   ASSERT_EQ(speeds.size(), 3U);
   EXPECT_EQ(speeds[0].style, "neutral");
@@ -56,7 +56,7 @@ TEST(MeasureSpeeds, AClipWithoutStepsHasNoCadence) {
   for (std::size_t i = 0; i < glide.size(); ++i) {
     glide[i].hips_position_m = {0, 0.9F, static_cast<float>(i) / 60};
   }
-  const std::vector<train::TrainingClip> clips{Clip(0, kWalk, std::move(glide))};
+  const std::vector<train::TrainingClip> clips{SpeedClip(0, kWalks, std::move(glide))};
   const std::vector<StyleSpeeds> speeds = MeasureSpeeds(manifest, clips, kRate_hz);
   EXPECT_NEAR(speeds[0].walk_mps, 1, 0.02);
   EXPECT_EQ(speeds[0].walk_spm, 0);

@@ -147,9 +147,9 @@ TEST_F(UnseenTest, MovementIsMeasuredBesideTheMeanPoseAndWithoutTheBeginning) {
 }
 
 // Stores the requests for a code.
-class Asked final : public ArmNetwork {
+class AskedArm final : public ArmNetwork {
  public:
-  Asked() : ArmNetwork({}) {}
+  AskedArm() : ArmNetwork({}) {}
   net::StyleCode MakeCode(const net::StyleRequest& request) const override {
     requests.push_back(request);
     return ArmNetwork::MakeCode(request);
@@ -158,7 +158,7 @@ class Asked final : public ArmNetwork {
 };
 
 TEST_F(UnseenTest, TheNetworkSeesTheWholeExampleAndNoLabel) {
-  const auto network = std::make_shared<Asked>();
+  const auto network = std::make_shared<AskedArm>();
   const ClipRestyler restyler(network, {}, {}, {});
   MeasureUnseen(ByCodeOf(restyler), source, normal, example);
   ASSERT_EQ(network->requests.size(), 1U);

@@ -39,7 +39,7 @@ TEST(MeasureVisible, TheWayOverTheFloorIsNoStyle) {
   EXPECT_NEAR(MeasureVisible(input, output).all_cm.value(), 0, 1e-3);
 }
 
-train::TrainingClip Clip(int style, int content, std::vector<body::Pose> poses) {
+train::TrainingClip SeenClip(int style, int content, std::vector<body::Pose> poses) {
   train::TrainingClip clip;
   clip.style = style;
   clip.content = content;
@@ -51,10 +51,10 @@ TEST(ClassifyByDirection, ARealStyleIsToldWhoeverShowsIt) {
   constexpr int kWalk = 0, kRun = 1;
   const body::Vec3 stoop(0.4F, 0, 0), chin_up(-0.2F, 0, 0);
   std::vector<train::TrainingClip> clips;
-  clips.push_back(Clip(0, kWalk, Walk(0)));
-  clips.push_back(Clip(1, kWalk, Turned(Walk(1), body::kSpine, stoop)));
-  clips.push_back(Clip(2, kWalk, Turned(Walk(2), body::kHead, chin_up)));
-  clips.push_back(Clip(3, kRun, Walk(2)));
+  clips.push_back(SeenClip(0, kWalk, Walk(0)));
+  clips.push_back(SeenClip(1, kWalk, Turned(Walk(1), body::kSpine, stoop)));
+  clips.push_back(SeenClip(2, kWalk, Turned(Walk(2), body::kHead, chin_up)));
+  clips.push_back(SeenClip(3, kRun, Walk(2)));
   std::vector<Eigen::VectorXd> real;
   for (const int style : {1, 2, 3}) real.push_back(RealShift(clips, style, kWalk));
   ASSERT_EQ(real[0].size(), 3 * body::kJointCount);
