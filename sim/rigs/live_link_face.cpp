@@ -11,7 +11,7 @@ namespace styled::rigs {
 namespace {
 
 // The app counts from a start of its own, as a recording of it shows: 24 h 53 min at 60 Hz.
-constexpr std::int32_t kFirstFrame = 5'375'735;
+constexpr std::int32_t kFirstFaceFrame = 5'375'735;
 
 class LiveLinkFace final : public Rig {
  public:
@@ -24,7 +24,7 @@ class LiveLinkFace final : public Rig {
     live_link_face::Frame out;
     out.device = "5717D000-0000-4000-8000-000000000001";
     out.subject = name_;
-    out.frame = kFirstFrame + static_cast<std::int32_t>(frame.index);
+    out.frame = kFirstFaceFrame + static_cast<std::int32_t>(frame.index);
     out.subframe = 0.125F;
     out.rate = std::max(rate_, 1);
     out.has_face = !loses_ || std::fmod(frame.time_s, 10.0) < 8;

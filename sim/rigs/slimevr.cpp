@@ -23,25 +23,25 @@ constexpr double kSeeks_s = 1, kAnnounces_s = 1, kNegotiates_s = 0.5, kGivesUp_s
 constexpr auto kStance = rig::Trackers::Stance::kTPose;
 
 // A place for a sensor, and SlimeVR's TrackerPosition for it.
-struct Place {
+struct WornPlace {
   Joint joint;
   std::uint8_t position;
 };
-constexpr std::array<Place, 13> kPlaces{{{body::kHips, 6},
-                                         {body::kChest, 4},
-                                         {body::kHead, 1},
-                                         {body::kLeftUpperArm, 15},
-                                         {body::kLeftLowerArm, 13},
-                                         {body::kRightUpperArm, 16},
-                                         {body::kRightLowerArm, 14},
-                                         {body::kLeftUpperLeg, 7},
-                                         {body::kLeftLowerLeg, 9},
-                                         {body::kLeftFoot, 11},
-                                         {body::kRightUpperLeg, 8},
-                                         {body::kRightLowerLeg, 10},
-                                         {body::kRightFoot, 12}}};
+constexpr std::array<WornPlace, 13> kPlaces{{{body::kHips, 6},
+                                             {body::kChest, 4},
+                                             {body::kHead, 1},
+                                             {body::kLeftUpperArm, 15},
+                                             {body::kLeftLowerArm, 13},
+                                             {body::kRightUpperArm, 16},
+                                             {body::kRightLowerArm, 14},
+                                             {body::kLeftUpperLeg, 7},
+                                             {body::kLeftLowerLeg, 9},
+                                             {body::kLeftFoot, 11},
+                                             {body::kRightUpperLeg, 8},
+                                             {body::kRightLowerLeg, 10},
+                                             {body::kRightFoot, 12}}};
 
-std::string_view NameOf(const Place& place) {
+std::string_view NameOf(const WornPlace& place) {
   return body::kHumanoid[static_cast<std::size_t>(place.joint)].name;
 }
 
@@ -64,9 +64,9 @@ std::array<Quat, body::kJointCount> Skier() {
 
 class SlimeVr final : public Rig {
  public:
-  SlimeVr(const Options& options, std::vector<Place> places)
+  SlimeVr(const Options& options, std::vector<WornPlace> places)
       : options_(options), random_(options.seed) {
-    for (const Place& place : places) {
+    for (const WornPlace& place : places) {
       Sensor sensor{place};
       sensor.heading = Between(-kPi, kPi);
       sensor.part_from_sensor = Mount(place.joint);
@@ -122,7 +122,7 @@ class SlimeVr final : public Rig {
 
  private:
   struct Sensor {
-    Place place;
+    WornPlace place;
     float heading = 0;
     Quat part_from_sensor = Quat::Identity();
     bool acknowledged = false;
@@ -292,8 +292,8 @@ Result<std::unique_ptr<Rig>> MakeSlimeVr(const Options& options) {
   const auto has = [&options](std::string_view quirk) {
     return std::find(options.quirks.begin(), options.quirks.end(), quirk) != options.quirks.end();
   };
-  std::vector<Place> places;
-  for (const Place& place : kPlaces) {
+  std::vector<WornPlace> places;
+  for (const WornPlace& place : kPlaces) {
     if (has(NameOf(place))) places.push_back(place);
   }
   if (places.empty()) places.assign(kPlaces.begin(), kPlaces.end());

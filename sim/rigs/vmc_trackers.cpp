@@ -10,7 +10,7 @@ namespace {
 
 using Kind = vmc::Device::Kind;
 
-const std::vector<WornDevices::Place> kPlaces{
+const std::vector<WornDevices::Place> kTrackerPlaces{
     {0, body::kHead, true},   {1, body::kLeftHand},     {1, body::kRightHand},
     {2, body::kHips},         {2, body::kChest},        {2, body::kLeftFoot},
     {2, body::kRightFoot},    {2, body::kLeftUpperLeg}, {2, body::kRightUpperLeg},
@@ -21,7 +21,7 @@ class VmcTrackers final : public Rig {
   explicit VmcTrackers(const Options& options)
       : single_(HasQuirk(options, "single")),
         local_(HasQuirk(options, "local")),
-        devices_(options, kPlaces) {}
+        devices_(options, kTrackerPlaces) {}
 
   void Encode(const Frame& frame, const Send& send) override {
     Begin(send);

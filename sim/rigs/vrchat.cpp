@@ -8,16 +8,14 @@
 namespace styled::rigs {
 namespace {
 
-using Place = WornDevices::Place;
-
 // Indices beyond the trackers' mean VRChat's own devices: 9 + vrchat::System.
 constexpr int kSystem = vrchat::kTrackers + 1;
 
-std::vector<Place> Places(bool system) {
-  std::vector<Place> places{{1, body::kHips},          {2, body::kLeftFoot},
-                            {3, body::kRightFoot},     {4, body::kLeftUpperLeg},
-                            {5, body::kRightUpperLeg}, {6, body::kChest},
-                            {7, body::kLeftUpperArm},  {8, body::kRightUpperArm}};
+std::vector<WornDevices::Place> Places(bool system) {
+  std::vector<WornDevices::Place> places{{1, body::kHips},          {2, body::kLeftFoot},
+                                         {3, body::kRightFoot},     {4, body::kLeftUpperLeg},
+                                         {5, body::kRightUpperLeg}, {6, body::kChest},
+                                         {7, body::kLeftUpperArm},  {8, body::kRightUpperArm}};
   if (system) {
     places.insert(places.end(), {{kSystem, body::kHead, true},
                                  {kSystem + 1, body::kLeftHand},

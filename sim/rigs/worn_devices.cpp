@@ -9,7 +9,7 @@ namespace {
 using body::Quat;
 using body::Vec3;
 
-constexpr double kStanding_s = 1;
+constexpr double kWornStanding_s = 1;
 constexpr float kMostOff_m = 0.03F;
 const Vec3 kEyes_m(0, 0.06F, 0.08F);  // from the head's joint
 
@@ -43,7 +43,7 @@ WornDevices::WornDevices(const Options& options, const std::vector<Place>& place
 
 const std::vector<WornDevices::Reading>& WornDevices::Read(const Frame& frame) {
   const body::Pose standing;
-  const bool stands = t_pose_ && frame.time_s < kStanding_s;
+  const bool stands = t_pose_ && frame.time_s < kWornStanding_s;
   const body::Pose& tracked = stands ? standing : frame.poses[0];
   body::Pose whole = stands || frame.whole.empty() ? tracked : frame.whole[0];
   for (Quat& q : whole.rotations) {

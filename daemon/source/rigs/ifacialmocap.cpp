@@ -13,12 +13,12 @@ namespace {
 
 using runtime::Counter;
 
-constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
+constexpr std::int64_t kPhoneTakeOver_ns = 2 * runtime::kSecond_ns;
 // The interval between two start texts; readers of the app's text use 2 to 10 s.
 constexpr std::int64_t kAsk_ns = 2 * runtime::kSecond_ns;
 // Silence after which the first start text is sent again. It is long compared to gaps of Wi-Fi, and
 // short enough that the face is still held (MergedPart::kHold_ns) when a stopped app continues.
-constexpr std::int64_t kSilence_ns = 300'000'000;
+constexpr std::int64_t kPhoneSilence_ns = 300'000'000;
 
 class IFacialMocap final : public Translator {
  public:
@@ -37,14 +37,14 @@ class IFacialMocap final : public Translator {
     const auto result = ifacialmocap::Decode(datagram, frame_);
     if (result != ifacialmocap::DecodeResult::kOk) return out.Refuse(Counter::kSourceMalformed);
     if (peer.id != peer_) {
-      if (peer_ != 0 && now_ns - seen_ns_ < kTakeOver_ns) {
+      if (peer_ != 0 && now_ns - seen_ns_ < kPhoneTakeOver_ns) {
         return out.Refuse(Counter::kPipelineSecondSender);
       }
       peer_ = peer.id;
       stream_.Restart();
     }
     seen_ns_ = now_ns;
-    if (phone_) ask_ns_ = now_ns + kSilence_ns;
+    if (phone_) ask_ns_ = now_ns + kPhoneSilence_ns;
     if (frame_.known == 0) return out.Refuse(Counter::kSourceIncomplete);
     stream_.Send(face_.Of(frame_.shapes), number_++, static_cast<std::uint64_t>(now_ns), out);
   }

@@ -13,9 +13,9 @@ namespace {
 
 using runtime::Counter;
 
-constexpr std::int64_t kTakeOver_ns = 2 * runtime::kSecond_ns;
+constexpr std::int64_t kFaceTakeOver_ns = 2 * runtime::kSecond_ns;
 // As in mocopi.cpp: a smaller step back means a late frame, unless so many occur in a row.
-constexpr int kOldFrames = 5;
+constexpr int kFaceOldFrames = 5;
 
 class LiveLinkFace final : public Translator {
  public:
@@ -40,7 +40,7 @@ class LiveLinkFace final : public Translator {
   // Returns false for a phone other than the current one, and for an old frame.
   bool Admit(const live_link_face::Frame& frame, std::int64_t now_ns, Outbox& out) {
     if (frame.device != device_ || frame.subject != subject_) {
-      if (any_ && now_ns - seen_ns_ < kTakeOver_ns) {
+      if (any_ && now_ns - seen_ns_ < kFaceTakeOver_ns) {
         out.Refuse(Counter::kPipelineSecondSender);
         return false;
       }
@@ -57,7 +57,7 @@ class LiveLinkFace final : public Translator {
       }
       const double behind_s =
           (static_cast<double>(frame_) - frame.frame) * frame.rate_divisor / frame.rate;
-      if (behind_s < 1 && ++behind_ < kOldFrames) {
+      if (behind_s < 1 && ++behind_ < kFaceOldFrames) {
         out.Refuse(Counter::kPipelineReordered);
         return false;
       }

@@ -14,11 +14,11 @@ namespace {
 using runtime::Counter;
 
 // A frame at least this far behind the newest one means a restart. A smaller distance means a late
-// frame, unless kOldFrames such frames occur in a row.
+// frame, unless kMocopiOldFrames such frames occur in a row.
 constexpr std::uint32_t kRestartFrames = 60;
-constexpr float kRestart_s = 1.0F;
-constexpr int kOldFrames = 5;
-constexpr std::size_t kMaxSenders = 8;
+constexpr float kMocopiRestart_s = 1.0F;
+constexpr int kMocopiOldFrames = 5;
+constexpr std::size_t kMostMocopiSenders = 8;
 
 rig::RigBody MakeBody(const mocopi::Skeleton& bones) {
   rig::RigBody body;
@@ -34,9 +34,10 @@ rig::RigBody MakeBody(const mocopi::Skeleton& bones) {
 }
 
 // One sending application at one address.
-class Sender {
+class MocopiSender {
  public:
-  Sender(std::uint64_t peer, std::string performer) : peer_(peer), stream_(std::move(performer)) {}
+  MocopiSender(std::uint64_t peer, std::string performer)
+      : peer_(peer), stream_(std::move(performer)) {}
 
   std::uint64_t peer() const { return peer_; }
   std::int64_t seen_ns() const { return seen_ns_; }
@@ -80,7 +81,7 @@ class Sender {
       const bool back = frame.number <= number_;
       behind_ = frame.number < number_ ? behind_ + 1 : 0;
       const bool far = (back && number_ - frame.number >= kRestartFrames) ||
-                       frame.time_s <= time_s_ - kRestart_s || behind_ == kOldFrames;
+                       frame.time_s <= time_s_ - kMocopiRestart_s || behind_ == kMocopiOldFrames;
       if (back && !far) {
         out.Refuse(frame.number == number_ ? Counter::kPipelineDuplicate
                                            : Counter::kPipelineReordered);
@@ -120,27 +121,27 @@ class Mocopi final : public Translator {
     if (mocopi::Decode(datagram, datagram_) != mocopi::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
-    Sender* sender = Find(peer, now_ns, out);
+    MocopiSender* sender = Find(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
     sender->Handle(datagram_, now_ns, out);
   }
 
  private:
-  // Returns null if there are kMaxSenders and none of them was silent for 10 s.
-  Sender* Find(const Peer& peer, std::int64_t now_ns, Outbox& out) {
-    for (Sender& sender : senders_) {
+  // Returns null if there are kMostMocopiSenders and none of them was silent for 10 s.
+  MocopiSender* Find(const Peer& peer, std::int64_t now_ns, Outbox& out) {
+    for (MocopiSender& sender : senders_) {
       if (sender.peer() == peer.id) return &sender;
     }
     out.LeaveHotSection();
-    std::erase_if(senders_, [now_ns](const Sender& sender) {
+    std::erase_if(senders_, [now_ns](const MocopiSender& sender) {
       return now_ns - sender.seen_ns() > 10 * runtime::kSecond_ns;
     });
-    if (senders_.size() >= kMaxSenders) return nullptr;
+    if (senders_.size() >= kMostMocopiSenders) return nullptr;
     return &senders_.emplace_back(peer.id, performer_);
   }
 
   std::string performer_;
-  std::vector<Sender> senders_;
+  std::vector<MocopiSender> senders_;
   mocopi::Datagram datagram_;
 };
 

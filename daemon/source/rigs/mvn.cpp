@@ -13,11 +13,10 @@
 namespace styled::source {
 namespace {
 
-using mvn::DecodeResult;
 using runtime::Counter;
 
 // How long a new character may remain without name and T-pose: MVN sends them once a second.
-constexpr std::int64_t kPatience_ns = 3 * runtime::kSecond_ns / 2;
+constexpr std::int64_t kMvnPatience_ns = 3 * runtime::kSecond_ns / 2;
 // A sample this far behind the newest one means a restart, not a late sample.
 constexpr std::uint32_t kRestartSamples = 240;
 constexpr std::size_t kMaxCharacters = 64;
@@ -269,7 +268,7 @@ void Character::HandlePose(const mvn::Header& header, const mvn::Pose& pose, con
   sent_ = true;
   props_ = header.props;
   if (!stream_) {
-    if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kPatience_ns) {
+    if ((called_.empty() || !has_scale_) && now_ns - since_ns_ < kMvnPatience_ns) {
       return out.Refuse(Counter::kSourceBeforeRestPose);
     }
     out.LeaveHotSection();
@@ -310,7 +309,7 @@ class Mvn final : public Translator {
   void Handle(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
               Outbox& out) override {
     mvn::Header header;
-    if (mvn::DecodeHeader(datagram, header) != DecodeResult::kOk) {
+    if (mvn::DecodeHeader(datagram, header) != mvn::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     switch (header.type) {
@@ -319,18 +318,18 @@ class Mvn final : public Translator {
         return HandlePose(datagram, peer, now_ns, out);
       case mvn::Type::kMeta: {
         std::string_view name;
-        if (mvn::DecodeName(datagram, name) != DecodeResult::kOk) break;
+        if (mvn::DecodeName(datagram, name) != mvn::DecodeResult::kOk) break;
         if (auto* character = Find(header, peer, now_ns, out)) character->HandleName(name);
         return;
       }
       case mvn::Type::kScale: {
-        if (mvn::DecodeScale(datagram, scale_) != DecodeResult::kOk) break;
+        if (mvn::DecodeScale(datagram, scale_) != mvn::DecodeResult::kOk) break;
         if (auto* character = Find(header, peer, now_ns, out)) character->HandleScale(scale_, out);
         return;
       }
       case mvn::Type::kTimecode: {
         mvn::Timecode timecode;
-        if (mvn::DecodeTimecode(datagram, timecode) != DecodeResult::kOk) break;
+        if (mvn::DecodeTimecode(datagram, timecode) != mvn::DecodeResult::kOk) break;
         if (auto* character = Find(header, peer, now_ns, out)) character->HandleTimecode(timecode);
         return;
       }
@@ -344,7 +343,7 @@ class Mvn final : public Translator {
   void HandlePose(std::span<const std::byte> datagram, const Peer& peer, std::int64_t now_ns,
                   Outbox& out) {
     mvn::Header header;
-    if (mvn::DecodePose(datagram, header, pose_) != DecodeResult::kOk) {
+    if (mvn::DecodePose(datagram, header, pose_) != mvn::DecodeResult::kOk) {
       return out.Refuse(Counter::kSourceMalformed);
     }
     Character* character = Find(header, peer, now_ns, out);

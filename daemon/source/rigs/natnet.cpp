@@ -12,13 +12,13 @@
 namespace styled::source {
 namespace {
 
-using natnet::DecodeResult;
 using natnet::MessageId;
 using runtime::Counter;
 using runtime::kSecond_ns;
 
-constexpr std::int64_t kPulse_ns = kSecond_ns;        // commands, keep-alives, requests
-constexpr std::int64_t kSilence_ns = 2 * kSecond_ns;  // silence after which CONNECT is repeated
+constexpr std::int64_t kPulse_ns = kSecond_ns;  // commands, keep-alives, requests
+constexpr std::int64_t kServerSilence_ns =
+    2 * kSecond_ns;  // silence after which CONNECT is repeated
 // A frame at least this far behind the newest one means that the server restarted or replays a
 // recording, not that the frame was overtaken.
 constexpr std::int32_t kOvertaken = 16;
@@ -54,10 +54,10 @@ void NatNet::Handle(std::span<const std::byte> datagram, const Peer& peer, std::
     return out.Refuse(Counter::kSourceIgnored);
   }
   natnet::Packet packet;
-  if (natnet::DecodePacket(datagram, packet) != DecodeResult::kOk) {
+  if (natnet::DecodePacket(datagram, packet) != natnet::DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
-  if (now_ns - heard_ns_ >= kSilence_ns) {  // the server answers again
+  if (now_ns - heard_ns_ >= kServerSilence_ns) {  // the server answers again
     out.LeaveHotSection();
     logged_.Forget(now_ns);
   }
@@ -77,7 +77,7 @@ void NatNet::Handle(std::span<const std::byte> datagram, const Peer& peer, std::
 void NatNet::Tick(std::int64_t now_ns, Outbox& out) {
   if (now_ns < next_pulse_ns_) return;
   next_pulse_ns_ = now_ns + kPulse_ns;
-  if (!version_ || now_ns - heard_ns_ >= kSilence_ns) RequestServerInfo(out);
+  if (!version_ || now_ns - heard_ns_ >= kServerSilence_ns) RequestServerInfo(out);
   if (!version_) return;
   if (!stream_) SendCommand(MessageId::kKeepAlive, out);
   if (wants_model_) RequestModel(now_ns, out);
@@ -113,7 +113,7 @@ void NatNet::Log(std::string text, Outbox& out) {
 void NatNet::HandleServerInfo(std::span<const std::byte> payload, std::int64_t now_ns,
                               Outbox& out) {
   natnet::ServerInfo info;
-  if (natnet::DecodeServerInfo(payload, info) != DecodeResult::kOk) {
+  if (natnet::DecodeServerInfo(payload, info) != natnet::DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   if (info.natnet < natnet::kOldest) {
@@ -136,7 +136,7 @@ void NatNet::HandleServerInfo(std::span<const std::byte> payload, std::int64_t n
 
 void NatNet::HandleModel(std::span<const std::byte> payload, Outbox& out) {
   if (!version_) return out.Refuse(Counter::kSourceIgnored);
-  if (natnet::DecodeModel(payload, *version_, *model_) != DecodeResult::kOk) {
+  if (natnet::DecodeModel(payload, *version_, *model_) != natnet::DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   wants_model_ = false;
@@ -188,7 +188,7 @@ bool NatNet::Adopt(const natnet::SkeletonDescription& description,
 
 void NatNet::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
   if (!version_) return out.Refuse(Counter::kSourceIgnored);
-  const bool read = natnet::DecodeFrame(payload, *version_, *frame_) == DecodeResult::kOk &&
+  const bool read = natnet::DecodeFrame(payload, *version_, *frame_) == natnet::DecodeResult::kOk &&
                     frame_->timestamp_s >= 0 && frame_->timestamp_s < 1e10;
   if (!read) {
     if (++bad_frames_ % kBadFrames == 0) RequestServerInfo(out);

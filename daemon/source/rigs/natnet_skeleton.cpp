@@ -30,11 +30,6 @@ Quat RotationOf(const natnet::Bone& bone) {
   return {r[3], r[0], r[1], r[2]};
 }
 
-bool IsRotation(const Quat& q) {
-  const float length2 = q.squaredNorm();
-  return std::isfinite(length2) && length2 > 1e-6F;
-}
-
 Quat Nan() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   return {kNan, kNan, kNan, kNan};

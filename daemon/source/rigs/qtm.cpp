@@ -10,7 +10,6 @@
 namespace styled::source {
 namespace {
 
-using qtm::DecodeResult;
 using qtm::PacketType;
 using runtime::Counter;
 
@@ -31,7 +30,7 @@ Qtm::Qtm(const config::Source& config) : config_(config) {
 void Qtm::Handle(std::span<const std::byte> record, const Peer& /*peer*/, std::int64_t now_ns,
                  Outbox& out) {
   qtm::Packet packet;
-  if (qtm::DecodePacket(record, packet) != DecodeResult::kOk) {
+  if (qtm::DecodePacket(record, packet) != qtm::DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   switch (packet.type) {
@@ -175,7 +174,7 @@ bool Qtm::ReadTimecode() noexcept {
 }
 
 void Qtm::HandleFrame(std::span<const std::byte> payload, std::int64_t now_ns, Outbox& out) {
-  if (qtm::DecodeFrame(payload, *frame_) != DecodeResult::kOk) {
+  if (qtm::DecodeFrame(payload, *frame_) != qtm::DecodeResult::kOk) {
     return out.Refuse(Counter::kSourceMalformed);
   }
   if (stage_ == Stage::kStreaming) ConfirmStream(now_ns);

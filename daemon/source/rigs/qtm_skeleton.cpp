@@ -21,12 +21,6 @@ Vec3 PositionOf(const qtm::Segment& segment) {
   return {segment.position_mm[0], segment.position_mm[1], segment.position_mm[2]};
 }
 
-// Zero length or not finite: not a rotation.
-bool IsRotation(const Quat& q) {
-  const float length2 = q.squaredNorm();
-  return std::isfinite(length2) && length2 > 1e-6F;
-}
-
 // A body's message has to be UTF-8; no rig's joint names need more than ASCII.
 std::string AsciiName(std::string name) {
   std::ranges::replace_if(

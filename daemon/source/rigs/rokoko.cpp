@@ -23,9 +23,10 @@ using runtime::Counter;
 using Joints = std::bitset<kJoints>;
 
 constexpr std::size_t kMaxActors = 64;  // for all senders
-// A smaller step back in time means a late frame, unless kOldFrames such frames occur in a row.
-constexpr double kRestart_s = 1;
-constexpr int kOldFrames = 5;
+// A smaller step back in time means a late frame, unless kRokokoOldFrames such frames occur in a
+// row.
+constexpr double kRokokoRestart_s = 1;
+constexpr int kRokokoOldFrames = 5;
 
 // Mirrors through the plane x = 0, from left-handed to right-handed.
 rig::Vec3 Mirrored(const std::array<float, 3>& p) { return {-p[0], p[1], p[2]}; }
@@ -82,7 +83,7 @@ class Actor {
     }
     behind_ = any_ && time_s < time_s_ ? behind_ + 1 : 0;
     if (behind_ > 0) {
-      if (time_s_ - time_s < kRestart_s && behind_ < kOldFrames) {
+      if (time_s_ - time_s < kRokokoRestart_s && behind_ < kRokokoOldFrames) {
         out.Refuse(Counter::kPipelineReordered);
         return false;
       }

@@ -21,7 +21,7 @@ using runtime::Counter;
 // Includes the devices that the configuration names, each of which has a reserved place.
 constexpr std::size_t kMaxDevices = 64;
 constexpr std::int64_t kHeartbeat_ns = runtime::kSecond_ns / 2;
-constexpr std::int64_t kSilent_ns = 5 * runtime::kSecond_ns;
+constexpr std::int64_t kDeviceSilent_ns = 5 * runtime::kSecond_ns;
 // A tracker is live, and bound to its address, until it was silent for this long. It replies to a
 // heartbeat and a ping every kHeartbeat_ns, so silence means that four of each were lost, more than
 // in Wi-Fi's bursts. A tracker that appears at another address either searched for a server after 3
@@ -100,7 +100,7 @@ class SlimeVr final : public Translator {
     if (now_ns < next_heartbeat_ns_) return;
     next_heartbeat_ns_ = kNever;
     for (Device& device : devices_) {
-      if (device.peer.id == 0 || now_ns - device.heard_ns > kSilent_ns) continue;
+      if (device.peer.id == 0 || now_ns - device.heard_ns > kDeviceSilent_ns) continue;
       next_heartbeat_ns_ = now_ns + kHeartbeat_ns;
       Answer(slimevr::Heartbeat{}, device.peer, out);
       device.ping = static_cast<std::uint32_t>(random_()) | 1U;
@@ -194,7 +194,7 @@ class SlimeVr final : public Translator {
     if (devices_.size() < kMaxDevices) return &devices_.emplace_back();
     Device* oldest = nullptr;
     for (Device& device : devices_) {
-      const bool silent = now_ns - device.heard_ns > kSilent_ns;
+      const bool silent = now_ns - device.heard_ns > kDeviceSilent_ns;
       const bool made_up = !device.answers && now_ns - device.since_ns > kTakeover_ns;
       if (device.configured || (device.peer.id != 0 && !silent && !made_up)) continue;
       if (oldest == nullptr || device.heard_ns < oldest->heard_ns) oldest = &device;

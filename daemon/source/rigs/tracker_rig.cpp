@@ -33,7 +33,7 @@ constexpr std::array<int, 21> kPartOfPosition{TrackerRig::kUnassigned,
                                               body::kLeftShoulder,
                                               body::kRightShoulder};
 
-std::string PartName(int part) {
+std::string TrackedPart(int part) {
   return std::string(body::kHumanoid[static_cast<std::size_t>(part)].name);
 }
 
@@ -41,7 +41,7 @@ std::string PartNames(std::uint32_t bits) {
   std::string names;
   for (int j = 0; j < body::kJointCount; ++j) {
     if ((bits >> static_cast<unsigned>(j) & 1U) == 0) continue;
-    names += (names.empty() ? "" : ", ") + PartName(j);
+    names += (names.empty() ? "" : ", ") + TrackedPart(j);
   }
   return names;
 }
@@ -112,7 +112,7 @@ void TrackerRig::ReportPart(const slimevr::TrackerId& id, int part, std::int64_t
   out.Note([&] {
     return "tracker " + slimevr::ToText(id) +
            (part == kUnassigned ? " is assigned to no joint: assign it in `trackers`"
-                                : " is worn on " + PartName(part)) +
+                                : " is worn on " + TrackedPart(part)) +
            (times > 1 ? "; so are " + std::to_string(times - 1) + " others" : "");
   });
   if (part != kUnassigned && !calibration_requested_) {

@@ -28,16 +28,16 @@ using vmc::BoneSet;
 // The most frames made from one datagram. Senders put one frame, or a part of it, into each. The
 // largest datagram could hold 680 frames, which takes more time than one frame allows.
 constexpr int kMostFrames = 4;
-constexpr std::size_t kMaxSenders = 8;
+constexpr std::size_t kMostVmcSenders = 8;
 // Bones that moved by kMoved_m, and stay there, mean another avatar.
 constexpr float kMoved_m = 0.01F, kSteady_m = 0.001F;
 constexpr int kMovedFrames = 10;
 // How long a sender's first frames wait for its root, and for bones that a body needs. Frames come
 // 30 times a second or more; a slow sender repeats its root once a second.
-constexpr std::int64_t kPatience_ns = runtime::kSecond_ns;
+constexpr std::int64_t kVmcPatience_ns = runtime::kSecond_ns;
 // After this long a sender of expressions is one without bones.
 constexpr std::int64_t kFaceAlone_ns = 2 * runtime::kSecond_ns;
-constexpr std::int64_t kSilent_ns = 10 * runtime::kSecond_ns;
+constexpr std::int64_t kVmcSilent_ns = 10 * runtime::kSecond_ns;
 
 Quat ToQuat(const std::array<float, 4>& r) { return {r[3], r[0], r[1], r[2]}; }
 Vec3 ToVec3(const std::array<float, 3>& p) { return {p[0], p[1], p[2]}; }
@@ -56,12 +56,12 @@ struct Merged {
 };
 
 // One sending application at one address.
-class Sender {
+class VmcSender {
  public:
   // `judges`: whether to refuse a sender whose bones make no body. `rootless_noted`: whether the
   // log has the line about a missing root; must outlive it.
-  Sender(std::uint64_t peer, std::string performer, const Merged& merged, bool judges,
-         bool& rootless_noted)
+  VmcSender(std::uint64_t peer, std::string performer, const Merged& merged, bool judges,
+            bool& rootless_noted)
       : peer_(peer),
         merged_(merged),
         judges_(judges),
@@ -142,7 +142,7 @@ class Sender {
   std::int64_t source_from_arrival_ns_ = 0;  // offset from a time of arrival to source time
 };
 
-void Sender::UseFace(const vmc::Frame& frame, Outbox& out) {
+void VmcSender::UseFace(const vmc::Frame& frame, Outbox& out) {
   if (frame.restarted) {
     faces_->Restart();
     face_number_ = 0;
@@ -150,12 +150,12 @@ void Sender::UseFace(const vmc::Frame& frame, Outbox& out) {
   if (frame.blend_count > 0) faces_->Send(*Look(frame), face_number_++, Time_ns(frame), out);
 }
 
-void Sender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
+void VmcSender::Use(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (faces_) UseFace(frame, out);
   if (!faces_ || merged_.fingers) UseBones(frame, now_ns, out);
 }
 
-void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
+void VmcSender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out) {
   if (frame.restarted) {
     stream_.Restart();
     bones_ = before_ = all_ = 0;  // the avatar may have changed
@@ -183,11 +183,11 @@ void Sender::UseBones(const vmc::Frame& frame, std::int64_t now_ns, Outbox& out)
 }
 
 // Whether the sender lacks bones of a body. Bones that came in the last half second count.
-bool Sender::IsPartial(const vmc::Frame& frame, Outbox& out) {
+bool VmcSender::IsPartial(const vmc::Frame& frame, Outbox& out) {
   if (bones_ != 0 || !judges_) return false;
   const BoneSet now = frame.bones | (frame.missing & ~frame.stale);
   if ((bindable_ & ~now) == 0) return false;
-  if (frame.received_ns - since_ns_ < kPatience_ns) {
+  if (frame.received_ns - since_ns_ < kVmcPatience_ns) {
     out.Refuse(Counter::kSourceIncomplete);
     return true;
   }
@@ -205,9 +205,9 @@ bool Sender::IsPartial(const vmc::Frame& frame, Outbox& out) {
 }
 
 // Whether the place of the hips is unknown, because the root has not come yet.
-bool Sender::AwaitsRoot(const vmc::Frame& frame, Outbox& out) {
+bool VmcSender::AwaitsRoot(const vmc::Frame& frame, Outbox& out) {
   if (has_root_) return false;
-  if (frame.received_ns - since_ns_ < kPatience_ns) {
+  if (frame.received_ns - since_ns_ < kVmcPatience_ns) {
     out.Refuse(Counter::kSourceIncomplete);
     return true;
   }
@@ -223,7 +223,7 @@ bool Sender::AwaitsRoot(const vmc::Frame& frame, Outbox& out) {
 }
 
 // Records positions and root. Values that are not finite are ignored.
-void Sender::Remember(const vmc::Frame& frame) {
+void VmcSender::Remember(const vmc::Frame& frame) {
   bool moved = false, steady = true;
   for (int bone = 0; bone < vmc::kBoneCount; ++bone) {
     if (!vmc::Has(frame.bones, bone)) continue;
@@ -243,7 +243,7 @@ void Sender::Remember(const vmc::Frame& frame) {
   if (frame.has_root) SetRoot(frame.root);
 }
 
-void Sender::SetRoot(const vmc::Transform& root) {
+void VmcSender::SetRoot(const vmc::Transform& root) {
   const Vec3 position = ToVec3(root.position);
   const Quat rotation = ToQuat(root.rotation);
   has_root_ = true;
@@ -254,7 +254,7 @@ void Sender::SetRoot(const vmc::Transform& root) {
 // The bones that the body should have; 0 while that is unknown, because the first frame may be the
 // end of one. A bone that disappeared is removed from the body only if no skeleton needs it.
 // Fingers need only hands, which the sender may leave out, and a root.
-BoneSet Sender::Wanted(const vmc::Frame& frame) {
+BoneSet VmcSender::Wanted(const vmc::Frame& frame) {
   if (merged_.fingers) {
     if (bones_ == 0 && frame.bones != before_) return 0;
     constexpr BoneSet kNeeded =
@@ -268,7 +268,7 @@ BoneSet Sender::Wanted(const vmc::Frame& frame) {
   return (bones_ | (frame.bones & before_)) & ~(frame.stale & ~canonical_);
 }
 
-void Sender::SetBody(BoneSet bones, Outbox& out) {
+void VmcSender::SetBody(BoneSet bones, Outbox& out) {
   out.LeaveHotSection();
   bones_ = bones;
   logged_ = positions_;
@@ -282,7 +282,7 @@ void Sender::SetBody(BoneSet bones, Outbox& out) {
   }
 }
 
-void Sender::Pose(const vmc::Frame& frame) {
+void VmcSender::Pose(const vmc::Frame& frame) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t j = 0; j < bone_of_joint_.size(); ++j) {
     const int bone = bone_of_joint_[j];
@@ -297,7 +297,7 @@ void Sender::Pose(const vmc::Frame& frame) {
 
 // The frame's expressions. Names that are not UTF-8 are left out, because subscribers could not
 // parse them.
-const Face* Sender::Look(const vmc::Frame& frame) {
+const Face* VmcSender::Look(const vmc::Frame& frame) {
   face_.expressions.clear();
   face_.thru.clear();
   for (std::size_t i = 0; i < frame.blend_count; ++i) {
@@ -312,7 +312,7 @@ const Face* Sender::Look(const vmc::Frame& frame) {
 
 // The frame's source time. For a frame without a time, or with one of more than 31 years, the time
 // of arrival continues the sender's clock.
-std::uint64_t Sender::Time_ns(const vmc::Frame& frame) {
+std::uint64_t VmcSender::Time_ns(const vmc::Frame& frame) {
   constexpr float kMost_s = 1e9F;
   if (frame.has_time && std::abs(frame.time_s) <= kMost_s) {
     source_from_arrival_ns_ = std::llround(double{frame.time_s} * 1e9) - frame.received_ns;
@@ -320,7 +320,7 @@ std::uint64_t Sender::Time_ns(const vmc::Frame& frame) {
   return static_cast<std::uint64_t>(frame.received_ns + source_from_arrival_ns_);
 }
 
-void Sender::Report(Outbox& out) {
+void VmcSender::Report(Outbox& out) {
   const auto& counts = assembler_.counts();
   const auto report = [&out](std::uint64_t& reported, std::uint64_t now, Counter counter) {
     for (; reported < now; ++reported) out.Refuse(counter);
@@ -379,7 +379,7 @@ class Vmc final : public Translator {
       if (const auto root = First<vmc::Root>(datagram)) early_root_ = {peer.id, root->transform};
       return out.Refuse(Counter::kSourceIgnored);
     }
-    Sender* sender = Add(peer, now_ns, out);
+    VmcSender* sender = Add(peer, now_ns, out);
     if (sender == nullptr) return out.Refuse(Counter::kPipelineSecondSender);
     devices_.Forget(peer.id);
     if (early_root_.first == peer.id) sender->SetRoot(early_root_.second);
@@ -404,22 +404,23 @@ class Vmc final : public Translator {
   }
 
  private:
-  // Returns null if there are kMaxSenders and none of them was silent for 10 s.
-  Sender* Add(const Peer& peer, std::int64_t now_ns, Outbox& out) {
+  // Returns null if there are kMostVmcSenders and none of them was silent for 10 s.
+  VmcSender* Add(const Peer& peer, std::int64_t now_ns, Outbox& out) {
     out.LeaveHotSection();
-    std::erase_if(senders_,
-                  [now_ns](const auto& sender) { return now_ns - sender->seen_ns() > kSilent_ns; });
-    if (senders_.size() >= kMaxSenders) return nullptr;
+    std::erase_if(senders_, [now_ns](const auto& sender) {
+      return now_ns - sender->seen_ns() > kVmcSilent_ns;
+    });
+    if (senders_.size() >= kMostVmcSenders) return nullptr;
     face_peer_ = 0;
     return senders_
         .emplace_back(
-            std::make_unique<Sender>(peer.id, performer_, merged_, judges_, rootless_noted_))
+            std::make_unique<VmcSender>(peer.id, performer_, merged_, judges_, rootless_noted_))
         .get();
   }
 
   bool AnyBones(std::int64_t now_ns) const {
     return std::ranges::any_of(senders_, [now_ns](const auto& sender) {
-      return now_ns - sender->seen_ns() <= kSilent_ns;
+      return now_ns - sender->seen_ns() <= kVmcSilent_ns;
     });
   }
 
@@ -455,7 +456,7 @@ class Vmc final : public Translator {
   std::int64_t face_since_ns_ = 0, face_seen_ns_ = 0;
   std::shared_ptr<const std::string> face_refusal_;
   PerformerStream face_;
-  std::vector<std::unique_ptr<Sender>> senders_;
+  std::vector<std::unique_ptr<VmcSender>> senders_;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ using runtime::Counter;
 
 // A clock that goes back by more than this belongs to a sender that restarted; by less, to an old
 // datagram.
-constexpr float kRestart_s = 1;
+constexpr float kDevicesRestart_s = 1;
 
 // Calls `use(message)` for each message of the datagram.
 template <typename Use>
@@ -49,7 +49,7 @@ bool VmcDevices::HasDevice(std::span<const std::byte> datagram) {
 bool VmcDevices::IsOld(float time_s, Outbox& out) {
   if (!std::isfinite(time_s)) return false;
   const bool fell = has_time_ && time_s < time_s_;
-  if (fell && time_s_ - time_s <= kRestart_s) {
+  if (fell && time_s_ - time_s <= kDevicesRestart_s) {
     out.Refuse(Counter::kPipelineReordered);
     return true;
   }

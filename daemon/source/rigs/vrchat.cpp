@@ -13,7 +13,7 @@ namespace {
 using devices::Seen;
 using runtime::Counter;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 constexpr float kRadians = 0.017453293F;
 constexpr float kMostDegrees = 1e6F;
 
@@ -89,13 +89,13 @@ class VrChat final : public Translator {
   void HandleTracker(const vrchat::Tracker& tracker, std::uint64_t peer, std::int64_t now_ns,
                      Outbox& out) {
     const DeviceRig::Device& device = kNumbered[static_cast<std::size_t>(tracker.index)];
-    const body::Quat no_rotation(kNan, kNan, kNan, kNan);
+    const body::Quat no_rotation(kNoNumber, kNoNumber, kNoNumber, kNoNumber);
     if (!tracker.is_rotation) {
       return rig_.Accept(device, {PositionOf(tracker.values), no_rotation}, peer, now_ns, out);
     }
     if (tracker.index != vrchat::kHead) {
-      return rig_.Accept(device, {body::Vec3::Constant(kNan), RotationOf(tracker.values)}, peer,
-                         now_ns, out);
+      return rig_.Accept(device, {body::Vec3::Constant(kNoNumber), RotationOf(tracker.values)},
+                         peer, now_ns, out);
     }
     const float yaw = tracker.values[1];
     if (!(std::abs(yaw) <= kMostDegrees)) return out.Refuse(Counter::kSourceMalformed);

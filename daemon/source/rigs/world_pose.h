@@ -1,11 +1,18 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "model/base/realtime.h"
 #include "model/rig/skeleton.h"
 
 namespace styled::source {
+
+// Neither of zero length nor not finite.
+STYLED_REALTIME inline bool IsRotation(const rig::Quat& q) noexcept {
+  const float length2 = q.squaredNorm();
+  return std::isfinite(length2) && length2 > 1e-6F;
+}
 
 // Computes the local rotations of `pose` from world rotations; parents must precede their children.
 // A rotation of zero length, or one that is not finite, makes its joint and the children NaN; the
