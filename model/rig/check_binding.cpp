@@ -10,23 +10,23 @@ namespace styled::rig {
 namespace {
 
 // The bones that are compared. Short ones are not: where a neck begins is each tool's own choice.
-struct Bone {
+struct ComparedBone {
   int from, to;
 };
 constexpr std::array kBones = {
-    Bone{body::kHips, body::kHead},
-    Bone{body::kHips, body::kChest},
-    Bone{body::kChest, body::kNeck},
-    Bone{body::kLeftUpperArm, body::kLeftLowerArm},
-    Bone{body::kLeftLowerArm, body::kLeftHand},
-    Bone{body::kRightUpperArm, body::kRightLowerArm},
-    Bone{body::kRightLowerArm, body::kRightHand},
-    Bone{body::kLeftUpperLeg, body::kLeftLowerLeg},
-    Bone{body::kLeftLowerLeg, body::kLeftFoot},
-    Bone{body::kRightUpperLeg, body::kRightLowerLeg},
-    Bone{body::kRightLowerLeg, body::kRightFoot},
-    Bone{body::kLeftFoot, body::kLeftToes},
-    Bone{body::kRightFoot, body::kRightToes},
+    ComparedBone{body::kHips, body::kHead},
+    ComparedBone{body::kHips, body::kChest},
+    ComparedBone{body::kChest, body::kNeck},
+    ComparedBone{body::kLeftUpperArm, body::kLeftLowerArm},
+    ComparedBone{body::kLeftLowerArm, body::kLeftHand},
+    ComparedBone{body::kRightUpperArm, body::kRightLowerArm},
+    ComparedBone{body::kRightLowerArm, body::kRightHand},
+    ComparedBone{body::kLeftUpperLeg, body::kLeftLowerLeg},
+    ComparedBone{body::kLeftLowerLeg, body::kLeftFoot},
+    ComparedBone{body::kRightUpperLeg, body::kRightLowerLeg},
+    ComparedBone{body::kRightLowerLeg, body::kRightFoot},
+    ComparedBone{body::kLeftFoot, body::kLeftToes},
+    ComparedBone{body::kRightFoot, body::kRightToes},
 };
 
 }  // namespace

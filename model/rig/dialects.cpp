@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/base/text.h"
+#include "model/rig/axes.h"
 #include "model/rig/dialect_rests.h"
 #include "model/rig/tail.h"
 
@@ -29,7 +30,7 @@ struct Dialect {
   std::string_view name;
   Rest rest;
 };
-constexpr std::size_t kMaxShown = 80;  // bytes of a name that is given
+constexpr std::size_t kMaxDialectShown = 80;  // bytes of a name that is given
 
 constexpr Dialect kDialects[] = {
     {"bandai-namco", Rest::kBandaiNamco},
@@ -86,13 +87,6 @@ std::vector<Vec3> RestPositions(const Skeleton& skeleton, const std::vector<Quat
     positions[joint] = positions[parent] + rest[parent] * skeleton.offsets[joint];
   }
   return positions;
-}
-
-// The signed coordinate axis nearest to `direction`.
-Vec3 NearestAxis(const Vec3& direction) {
-  int axis = 0;
-  direction.cwiseAbs().maxCoeff(&axis);
-  return Vec3::Unit(axis) * (direction[axis] < 0 ? -1.0F : 1.0F);
 }
 
 // A T-pose judged by its joint positions: the source axes that point up, forward and left, and what
@@ -289,7 +283,7 @@ Result<Binding> BindMapped(const Skeleton& skeleton, std::string_view dialect, s
   const Dialect* const row = FindDialect(name);
   Rest rest = row != nullptr ? row->rest : Rest::kIdentity;
   if (!IsDialect(dialect)) {
-    return Status::Error("rig: found dialect " + Printable(dialect, kMaxShown) +
+    return Status::Error("rig: found dialect " + Printable(dialect, kMaxDialectShown) +
                          ", expected one of " + KnownDialects());
   }
   if (Status status = RequireMapped(map, dialect); !status.ok()) return status;

@@ -20,11 +20,11 @@ using body::kJointCount;
 
 // The lead of a reading over the next one, and cosines. These numbers were set by hand; they
 // hold on the conventions and random skeletons of the test.
-constexpr std::size_t kMaxTree = 1024;  // joints; avatars have hair and skirts
-constexpr std::size_t kMaxShown = 64;   // bytes of a joint's name in a message
-constexpr float kDoubt = 1.0F;          // a lead below this is a question to the user
-constexpr float kSecondBody = 12.0F;    // a lead below this over other limbs is mentioned
-constexpr float kOpposite = 0.5F;       // of a cosine: two ways to tell sides disagree
+constexpr std::size_t kMaxTree = 1024;      // joints; avatars have hair and skirts
+constexpr std::size_t kMaxJointShown = 64;  // bytes of a joint's name in a message
+constexpr float kDoubt = 1.0F;              // a lead below this is a question to the user
+constexpr float kSecondBody = 12.0F;        // a lead below this over other limbs is mentioned
+constexpr float kOpposite = 0.5F;           // of a cosine: two ways to tell sides disagree
 // Of 2,000 random bodies the tree alone scores -0.9 at least and 0.6 for 95 of 100; hands with
 // their fingers -5 to -12.
 constexpr float kImplausible = -3.0F, kPlausible = 0.5F;
@@ -43,7 +43,7 @@ constexpr std::array<std::array<int, kPlaces>, 2> kLimbJoints = {
      {-1, body::kLeftUpperLeg, body::kLeftLowerLeg, body::kLeftFoot, body::kLeftToes}}};
 
 std::string NameOf(const Skeleton& skeleton, int joint) {
-  return Printable(skeleton.names[static_cast<std::size_t>(joint)], kMaxShown);
+  return Printable(skeleton.names[static_cast<std::size_t>(joint)], kMaxJointShown);
 }
 std::string Shown(const Skeleton& skeleton, int joint) {
   return "\"" + NameOf(skeleton, joint) + "\"";

@@ -14,7 +14,7 @@ namespace {
 
 // Words within the names of a finger's joints: English, Japanese, Chinese. Thumb, index, middle,
 // ring, little.
-constexpr std::array<std::array<std::string_view, 4>, kFingersPerHand> kWords = {{
+constexpr std::array<std::array<std::string_view, 4>, kFingersPerHand> kFingerWords = {{
     {"thumb", "親指", "拇", "大指"},
     {"index", "point", "人指", "食指"},
     {"mid", "中指", "中指", "中指"},
@@ -29,9 +29,10 @@ struct Chain {
   Vec3 begin = Vec3::Zero();  // of its first joint, from the hand in the zero pose
 };
 
-class Hand {
+class HandChains {
  public:
-  Hand(const Skeleton& skeleton, int hand) : skeleton_(skeleton), children_(skeleton.names.size()) {
+  HandChains(const Skeleton& skeleton, int hand)
+      : skeleton_(skeleton), children_(skeleton.names.size()) {
     for (int j = 1; j < skeleton.joint_count(); ++j) {
       children_[Index(skeleton.parents[Index(j)])].push_back(j);
     }
@@ -72,8 +73,8 @@ class Hand {
     for (const int joint : chain.joints) {
       std::string name = skeleton_.names[Index(joint)];
       for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      for (std::size_t finger = 0; finger < kWords.size(); ++finger) {
-        for (const std::string_view word : kWords[finger]) {
+      for (std::size_t finger = 0; finger < kFingerWords.size(); ++finger) {
+        for (const std::string_view word : kFingerWords[finger]) {
           if (name.find(word) != std::string::npos) return static_cast<int>(finger);
         }
       }
@@ -128,7 +129,7 @@ TailMap FindTail(const Skeleton& skeleton, const std::array<int, body::kJointCou
        {std::pair{body::kLeftHand, kTailLeftThumb}, std::pair{body::kRightHand, kTailRightThumb}}) {
     const int joint = joints[static_cast<std::size_t>(hand)];
     if (joint < 0) continue;
-    for (const Chain& chain : Hand(skeleton, joint).Fingers()) {
+    for (const Chain& chain : HandChains(skeleton, joint).Fingers()) {
       if (chain.finger < 0) continue;
       auto* const place = map.data() + begin + chain.finger * kFingerJoints;
       if (std::any_of(place, place + kFingerJoints, [](int known) { return known >= 0; })) continue;

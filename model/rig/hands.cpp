@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "model/rig/axes.h"
+
 namespace styled::rig {
 namespace {
 
@@ -28,15 +30,6 @@ bool HasBeyond(const TailMap& own, int joint) {
     if (own[static_cast<std::size_t>(next)] >= 0) return true;
   }
   return false;
-}
-
-// The signed axis nearest to a direction; zero for none.
-Vec3 NearestAxis(const Vec3& direction) {
-  Eigen::Index axis = 0;
-  const float most = direction.cwiseAbs().maxCoeff(&axis);
-  Vec3 nearest = Vec3::Zero();
-  if (most > 0) nearest[axis] = direction[axis] < 0 ? -1.0F : 1.0F;
-  return nearest;
 }
 
 // The directions that follow from the hands, in source axes; not of unit length.

@@ -219,15 +219,15 @@ class NameTable {
   Sides left_, right_;
 };
 
-using Finger = std::array<int, kFingerJoints>;
+using FingerJoints = std::array<int, kFingerJoints>;
 
 // The joints of one finger by the way of naming that finds most of them.
-Finger FindFinger(const NameTable& table, int finger, bool left) {
-  Finger best{-1, -1, -1};
+FingerJoints FindFinger(const NameTable& table, int finger, bool left) {
+  FingerJoints best{-1, -1, -1};
   std::ptrdiff_t most = 0;
   std::string name;
   const auto look = [&](std::string_view word, const FingerAlias& alias) {
-    Finger found;
+    FingerJoints found;
     for (std::size_t i = 0; i < found.size(); ++i) {
       found[i] = table.FindSided(name.assign(word).append(alias.names[i]), left);
     }

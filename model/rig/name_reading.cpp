@@ -331,7 +331,9 @@ NameReading ReadOne(std::string_view name, bool joints) {
   return reading;
 }
 
-bool IsSeparator(char c) { return !IsAlpha(c) && std::isdigit(static_cast<unsigned char>(c)) == 0; }
+bool IsNoLetterOrDigit(char c) {
+  return !IsAlpha(c) && std::isdigit(static_cast<unsigned char>(c)) == 0;
+}
 
 // The length of the prefix, up to and including a sign, that all names share ("Skeleton_").
 std::size_t CommonPrefix(const std::vector<std::string_view>& names) {
@@ -342,7 +344,7 @@ std::size_t CommonPrefix(const std::vector<std::string_view>& names) {
     while (same < common && same < name.size() && name[same] == names[0][same]) ++same;
     common = same;
   }
-  while (common > 0 && (!IsSeparator(names[0][common - 1]) ||
+  while (common > 0 && (!IsNoLetterOrDigit(names[0][common - 1]) ||
                         static_cast<unsigned char>(names[0][common - 1]) >= 0x80)) {
     --common;
   }

@@ -28,11 +28,11 @@ struct Standing {
 };
 
 // The direction of the bone that begins at `joint`, in the standing pose and in the T-pose.
-struct Bone {
+struct BoneDirections {
   bool found = false;
   Vec3 standing, rest;
 };
-Bone FindBone(const Standing& pose, int joint) {
+BoneDirections FindBone(const Standing& pose, int joint) {
   Vec3 rest = Vec3::Zero();
   for (int end = kBoneEnd[joint]; end >= 0; end = kBoneEnd[end]) {
     rest += body::Offset(end);
@@ -80,7 +80,7 @@ Quat FaceForward(const Vec3& forward) {
 }
 
 Quat Swing(const Standing& pose, int joint, const Quat& parent_swing, const Quat& hips_swing) {
-  const Bone bone = FindBone(pose, joint);
+  const BoneDirections bone = FindBone(pose, joint);
   // The head is upright already: only its heading is corrected, to that of the hips.
   if (joint == body::kHead) return FaceForward(hips_swing.conjugate() * Vec3::UnitZ());
   if (!bone.found) return parent_swing;

@@ -37,8 +37,8 @@ struct Affine {
 
 // x̂ = (x - mean) / sqrt(variance + ε) over all rows of x, as scale and shift. Row r counts
 // `weights`[r mod period] times.
-Affine Normalization(const RowKernels& kernels, const float* x, int frames, int nodes, int channels,
-                     std::span<const float> weights) {
+Affine NormalizingAffine(const RowKernels& kernels, const float* x, int frames, int nodes,
+                         int channels, std::span<const float> weights) {
   const auto count = static_cast<std::size_t>(channels);
   double total = 0;
   for (const float weight : weights) total += weight;
@@ -79,7 +79,7 @@ void Follow(std::span<const float> scale, std::span<const float> shift, Affine& 
 Affine InstanceNorm(const RowKernels& kernels, const Norm& norm, const float* x, int frames,
                     int nodes, int channels) {
   if (norm.scale.empty()) return {};
-  Affine affine = Normalization(kernels, x, frames, nodes, channels, kEqualWeights);
+  Affine affine = NormalizingAffine(kernels, x, frames, nodes, channels, kEqualWeights);
   Follow(norm.scale, norm.shift, affine);
   return affine;
 }
@@ -87,7 +87,7 @@ Affine InstanceNorm(const RowKernels& kernels, const Norm& norm, const float* x,
 // (1 + γ) x̂ + β, with γ and β from the code.
 Affine AdaptiveNorm(const RowKernels& kernels, const AdaIn& adain, const Code& code, const float* x,
                     int frames, int nodes, int channels, std::span<const float> weights) {
-  Affine affine = Normalization(kernels, x, frames, nodes, channels, weights);
+  Affine affine = NormalizingAffine(kernels, x, frames, nodes, channels, weights);
   const Eigen::VectorXf both = adain.weight * code + adain.bias;
   const auto count = static_cast<std::size_t>(channels);
   Follow({both.data(), count}, {both.data() + count, count}, affine);

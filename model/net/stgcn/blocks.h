@@ -8,6 +8,7 @@
 #include "model/net/stgcn/layer_reader.h"
 #include "model/net/stgcn/layers.h"
 #include "model/net/stgcn/network.h"
+#include "model/net/stgcn/size.h"
 #include "model/net/stgcn/time_conv.h"
 
 // The blocks of the networks of whole clips (equations: FORMAT.md), as generator and style encoder
@@ -59,10 +60,6 @@ void RunEncoder(const net::RowKernels& kernels, const EncoderBlock& block, const
 // x: [frames, V', in]; y: [2 frames, V, out].
 void RunDecoder(const net::RowKernels& kernels, const DecoderBlock& block, const Code& code,
                 const float* x, int frames, float* y, Scratch& s);
-
-inline std::size_t Size(int a, int b, int c = 1) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b) * static_cast<std::size_t>(c);
-}
 
 // The buffer, as large as that at least.
 inline float* Sized(net::AlignedFloats& buffer, std::size_t size) {

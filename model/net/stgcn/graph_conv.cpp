@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "model/net/stgcn/size.h"
+
 namespace styled::stgcn {
 namespace {
 
@@ -20,10 +22,6 @@ void Pack(const Eigen::Ref<const RowMajor>& from, std::size_t term, net::PackedC
 
 bool HasEntries(const Eigen::MatrixXf& matrix, Eigen::Index row) {
   return (matrix.row(row).array() != 0).any();
-}
-
-std::size_t Size(int a, int b, int c) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b) * static_cast<std::size_t>(c);
 }
 
 int CountRows(const Eigen::MatrixXf& matrix) {

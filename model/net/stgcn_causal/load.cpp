@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/net/stgcn/layer_reader.h"
+#include "model/net/stgcn/size.h"
 #include "model/net/stgcn_causal/network.h"
 #include "model/net/stgcn_causal/weights.h"
 #include "model/net/weights_file.h"
@@ -18,6 +19,7 @@ using stgcn::kFeatureCount;
 using stgcn::kNodes;
 using stgcn::kPathShare;
 using stgcn::LayerReader;
+using stgcn::Size;
 
 constexpr int kMostSpacing = 16;
 constexpr int kMostFrames = 1000;
@@ -133,9 +135,6 @@ class ScratchSizes {
   }
 
  private:
-  static std::size_t Size(int a, int b) {
-    return static_cast<std::size_t>(a) * static_cast<std::size_t>(b);
-  }
   void Cover(int copies, const stgcn::GraphConv& first, const stgcn::GraphConv& second, int in,
              int out) {
     const auto many = static_cast<std::size_t>(copies);

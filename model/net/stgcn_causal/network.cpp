@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "model/net/stgcn/codes.h"
+#include "model/net/stgcn/size.h"
 #include "model/net/stgcn_causal/weights.h"
 
 namespace styled::stgcn_causal {
@@ -16,8 +17,7 @@ using net::VariationWeight;
 using stgcn::kChannels;
 using stgcn::kFeatureCount;
 using stgcn::kNodes;
-
-std::size_t Size(int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+using stgcn::Size;
 
 // The data that the layers of one step share.
 struct Frame {

@@ -7,15 +7,11 @@
 #include <numeric>
 
 #include "model/net/stgcn/layers.h"
+#include "model/net/stgcn/size.h"
 
 namespace styled::stgcn_causal {
-namespace {
 
-std::size_t Size(int a, int b, int c = 1) {
-  return static_cast<std::size_t>(a) * static_cast<std::size_t>(b) * static_cast<std::size_t>(c);
-}
-
-}  // namespace
+using stgcn::Size;
 
 PastConv::PastConv(const net::RowMajor& weight, const Eigen::VectorXf& bias, float scale,
                    int spacing, int nodes, int copies, Layout& layout)
