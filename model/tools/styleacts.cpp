@@ -31,7 +31,7 @@ namespace styled {
 namespace {
 
 struct Arguments {
-  std::string weights, json;
+  std::string weights, json, precision = "int8";
   std::vector<std::string> styles;
   std::vector<std::filesystem::path> clips;
   bool standing = false;
@@ -267,7 +267,7 @@ Result<Real> ReadReal(const Arguments& arguments, const net::Styles& styles) {
 }
 
 Status Run(const Arguments& arguments) {
-  const auto network = trial::Load(arguments.weights);
+  const auto network = trial::Load(arguments.weights, net::PrecisionNamed(arguments.precision));
   if (!network.ok()) return network.status();
   const net::Styles& styles = network.value()->model().styles;
   const auto chosen = Choose(arguments, styles);
@@ -347,6 +347,11 @@ int main(int argc, char** argv) {
       "input and styled.");
   app.add_option("clips", arguments.clips, "BVH files")->required()->check(CLI::ExistingFile);
   app.add_option("--weights", arguments.weights, "Weights that run live")->required();
+  app.add_option("--precision", arguments.precision,
+                 "Precision to which weights are rounded, as model.precision of the daemon")
+      ->check(CLI::IsMember(std::vector<std::string>(styled::net::kPrecisions.begin(),
+                                                     styled::net::kPrecisions.end())))
+      ->capture_default_str();
   app.add_option("--styles", arguments.styles, "Only these styles")
       ->allow_extra_args(false)
       ->delimiter(',');

@@ -285,8 +285,9 @@ Status Try(const net::ClipStylizer& network, const std::string& name, Figures* f
   return Status::Ok();
 }
 
-Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file) {
-  auto network = net::Load(file);
+Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file,
+                                                  net::Precision precision) {
+  auto network = net::Load(file, precision);
   if (!network.ok()) return network;
   const Status status = Try(*network.value(), file.string());
   if (!status.ok()) return status;

@@ -40,7 +40,8 @@ Status Try(const net::ClipStylizer& network, const std::string& name, Figures* f
 
 // net::Load, net::Parse and net::LoadAny followed by the trial. Every program that runs a user's
 // network uses these.
-Result<std::shared_ptr<const net::Stylizer>> Load(const std::filesystem::path& file);
+Result<std::shared_ptr<const net::Stylizer>> Load(
+    const std::filesystem::path& file, net::Precision precision = net::Precision::kFloat32);
 Result<std::shared_ptr<const net::Stylizer>> Parse(
     std::span<const std::byte> bytes, const std::string& name,
     net::Precision precision = net::Precision::kFloat32);
