@@ -124,7 +124,7 @@ struct Model {
   // File of a network that follows gaits: its styles, and those of examples that walk or run. As
   // `examples`.
   std::string gaits;
-  std::string precision = "bfloat16";  // one of net::kPrecisions
+  std::string precision = "int8";  // one of net::kPrecisions
   stylist::Options stylist;
 };
 

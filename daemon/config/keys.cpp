@@ -105,7 +105,7 @@ Section ModelSection() {
       {Text<C>("weights", STYLED_FIELD(model.weights)),
        Text<C>("examples", STYLED_FIELD(model.examples)),
        Text<C>("gaits", STYLED_FIELD(model.gaits)),
-       OneOf<C>("precision", {"bfloat16", "int8", "float32"}, STYLED_FIELD(model.precision)),
+       OneOf<C>("precision", {"int8", "float32"}, STYLED_FIELD(model.precision)),
        Float<C>("change_tau_ms", 0, 1000, kMs, STYLED_FIELD(model.stylist.change_tau_s)),
        Float<C>("gap_reset_ms", 10, 10000, kMs, STYLED_FIELD(model.stylist.gap_reset_s)),
        Float<C>("restart_fade_ms", 0, 5000, kMs, STYLED_FIELD(model.stylist.restart_fade_s)),

@@ -18,7 +18,7 @@ namespace styled::pipeline {
 Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model& model);
 
 // Their file names and hashes, as in recordings: "v2.safetensors+graph.safetensors". If the weights
-// are rounded, both show it: "v2.safetensors in bfloat16".
+// are rounded, both show it: "v2.safetensors in int8".
 struct WeightsLabel {
   std::string names, hashes;
 };

@@ -29,7 +29,7 @@ Result<std::shared_ptr<const Stylizer>> Parse(std::span<const std::byte> bytes,
                                               Precision precision = Precision::kFloat32);
 
 // The precisions by the names that configurations and options give them.
-inline constexpr std::array<std::string_view, 3> kPrecisions{"float32", "bfloat16", "int8"};
+inline constexpr std::array<std::string_view, 2> kPrecisions{"float32", "int8"};
 Precision PrecisionNamed(std::string_view name);  // one of kPrecisions
 
 // Whether the file's family is one whose weights can be rounded; false if it is not a weights file.

@@ -22,7 +22,7 @@ struct EvalArguments {
   double long_s = 60;
   bool long_given = false, transition_given = false;  // on the command line
   double clip_rate_hz = judge::kStreamRate_hz;
-  std::string precision = "bfloat16";
+  std::string precision = "int8";
   bool write_evidence = false;
   bool absolute = false, synthetic = false, robust = false, rates = false, styled_inputs = false,
        foreign = false;

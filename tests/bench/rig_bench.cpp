@@ -148,7 +148,7 @@ void Crowd(benchmark::State& state) {
   auto config = std::make_shared<pipeline::RuntimeConfig>();
   config->network = net::Load(state.range(1) == 0 ? net::FindWeights("v2").value()
                                                   : net::FindWeights("graph").value(),
-                              net::Precision::kBfloat16)
+                              net::Precision::kInt8)
                         .value();
   config->style.initial = "elderly";
   pipeline::Pipeline pipeline({.clock = clock,

@@ -26,19 +26,16 @@ struct WideRun : StepRunOf<kWide> {
   explicit WideRun(int styles) : StepRunOf(RandomWideNetwork(16, 1), styles) {}
 };
 
-// As shipped: wide, with weights in bfloat16; and in int8.
-template <net::Precision kPrecision>
-struct RoundedRun : StepRunOf<kWide> {
+// As shipped: wide, with weights in int8.
+struct ShippedRun : StepRunOf<kWide> {
   static std::shared_ptr<const WideNetwork> Network() {
     const std::vector<std::byte> bytes = RandomWeights(16, 1, kWide).Bytes();
     auto file = net::ParseWeights(bytes, "random");
-    file.value().precision = kPrecision;
+    file.value().precision = net::Precision::kInt8;
     return WideNetwork::Read(file.value()).value();
   }
-  explicit RoundedRun(int styles) : StepRunOf(Network(), styles) {}
+  explicit ShippedRun(int styles) : StepRunOf(Network(), styles) {}
 };
-using ShippedRun = RoundedRun<net::Precision::kBfloat16>;
-using Int8Run = RoundedRun<net::Precision::kInt8>;
 
 // The same network with a content input, which it recognizes.
 template <int kContents>
@@ -115,7 +112,7 @@ STYLED_EACH_WIDTH std::uint32_t ReadAll(const Words* words, std::size_t count) {
   return sums[0][0] ^ sums[0][7] ^ sums[0][15];
 }
 
-// `kParts`: of a float32, 2 for weights in bfloat16, 4 in int8.
+// `kParts`: of a float32, 4 for weights in int8.
 template <Shape kShape, std::size_t kParts>
 void ReadWeights(benchmark::State& state) {
   const std::size_t bytes = StepBytes<kShape>(static_cast<std::size_t>(state.range(0))) / kParts;
@@ -225,10 +222,8 @@ BENCHMARK(Hot<ContentsRun<64>>)->Apply(Styles);
 BENCHMARK(Hot<WideRun>)->Apply(Styles);
 BENCHMARK(Hot<PlainRun>)->Apply(Styles);
 BENCHMARK(ReadWeights<kPaper, 1>)->Name("ReadWeights")->Apply(Styles);
-BENCHMARK(Hot<ShippedRun>)->Name("Hot<ShippedRun>")->Apply(Styles);
-BENCHMARK(Hot<Int8Run>)->Name("Hot<Int8Run>")->Apply(Styles);
-BENCHMARK(ReadWeights<kWide, 2>)->Name("ReadWeights<ShippedRun>")->Apply(Styles);
-BENCHMARK(ReadWeights<kWide, 4>)->Name("ReadWeights<Int8Run>")->Apply(Styles);
+BENCHMARK(Hot<ShippedRun>)->Apply(Styles);
+BENCHMARK(ReadWeights<kWide, 4>)->Name("ReadWeights<ShippedRun>")->Apply(Styles);
 BENCHMARK(MultiplyWeights)->Apply(Styles);
 void Performers(benchmark::internal::Benchmark* bench) {
   bench->ArgName("performers")->Arg(8)->Arg(64)->Arg(512);
@@ -238,9 +233,8 @@ BENCHMARK(Crowd<OurRun, true>)->Apply(Performers);
 BENCHMARK(Crowd<ContentsRun<5>, true>)->Apply(Performers);
 BENCHMARK(Crowd<WideRun, false>)->Apply(Performers);
 BENCHMARK(Crowd<WideRun, true>)->Apply(Performers);
-BENCHMARK(Crowd<ShippedRun, false>)->Name("Crowd<ShippedRun, false>")->Apply(Performers);
-BENCHMARK(Crowd<ShippedRun, true>)->Name("Crowd<ShippedRun, true>")->Apply(Performers);
-BENCHMARK(Crowd<Int8Run, true>)->Name("Crowd<Int8Run, true>")->Apply(Performers);
+BENCHMARK(Crowd<ShippedRun, false>)->Apply(Performers);
+BENCHMARK(Crowd<ShippedRun, true>)->Apply(Performers);
 BENCHMARK(Cold<OurRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<WideRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);
 BENCHMARK(Cold<ShippedRun>)->Apply(Styles)->UseManualTime()->Iterations(2000);

@@ -31,7 +31,7 @@ struct Options {
   double seconds = 4, rate_hz = 120;
   std::vector<std::string> only;
   std::string weights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors", style = "elderly", json;
-  std::string precision = "bfloat16";
+  std::string precision = "int8";
   std::string like;  // a clip
 };
 
@@ -421,7 +421,7 @@ int main(int argc, char** argv) {
   app.add_option("--priority", options.priority, "SCHED_FIFO of the daemon's loop; 0 = normal");
   app.add_option("--only", options.only, "variants by name, e.g. \"styled, block\"; empty: all");
   app.add_option("--weights", options.weights, "weights file");
-  app.add_option("--precision", options.precision, "bfloat16, int8 or float32, of the weights");
+  app.add_option("--precision", options.precision, "int8 or float32, of the weights");
   app.add_option("--style", options.style, "in force");
   app.add_option("--like", options.like,
                  "a BVH clip: one more variant, in which a style is made of it every second")

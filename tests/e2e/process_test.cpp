@@ -89,7 +89,7 @@ TEST(ProcessTest, SighupTakesOverAGoodConfigurationAndFramesGoOn) {
 TEST(ProcessTest, SighupChangesThePrecisionOfTheWeights) {
   Daemon daemon;
   ControlClient control(daemon.control);
-  EXPECT_TRUE(LogSays(daemon, "weights.safetensors in bfloat16")) << daemon.Log();
+  EXPECT_TRUE(LogSays(daemon, "weights.safetensors in int8")) << daemon.Log();
   daemon.Configure("[model]\nprecision = \"float32\"\n");
   daemon.child->Signal(SIGHUP);
   EXPECT_TRUE(LogSays(daemon, "reloaded: weights weights.safetensors")) << daemon.Log();

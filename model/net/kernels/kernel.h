@@ -32,13 +32,12 @@ struct alignas(64) PackedMatrix : std::array<float, std::size_t{PaddedRows(Rows)
 // rows of the input, forget, cell and output gates follow one another.
 constexpr int LstmRow(int gate, int unit) { return (unit / 16 * 4 + gate) * 16 + unit % 16; }
 
-// The precision to which weights are rounded; states and activations are float32 in each.
-// - bfloat16, as near as 8 significant bits, halves the memory traffic of the weights, which are
-//   widened after loading. Inputs and sums are float32.
-// - int8 halves it again: the weights of a row, up to kScaleColumns of them, are whole multiples,
-//   -127 to 127, of a number of their own, and each product's inputs, up to as many, of another
-//   one, -32767 to 32767. Their sums are exact, and thus the same bits on every target.
-enum class Precision { kFloat32, kBfloat16, kInt8 };
+// The precision to which weights are rounded; states and activations are float32 in each. Of int8
+// the weights of a row, up to kScaleColumns of them, are whole multiples, -127 to 127, of a number
+// of their own, and each product's inputs, up to as many, of another one, -32767 to 32767. Their
+// sums are exact, and thus the same bits on every target. It takes a quarter of float32's memory
+// traffic.
+enum class Precision { kFloat32, kInt8 };
 
 // Of int8: the most columns that share a number.
 inline constexpr int kScaleColumns = 64;

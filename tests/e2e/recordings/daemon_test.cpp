@@ -199,9 +199,9 @@ TEST_F(DaemonRecordingTest, TheHeaderSaysOfWhatDaemonItIsAndSettingsOfTheLastRun
   ASSERT_TRUE(reader.ok()) << reader.status().message();
   const auto& header = reader.value()->header();
   EXPECT_EQ(header.program(), "styled");
-  EXPECT_EQ(header.weights(), "weights.safetensors in bfloat16");
+  EXPECT_EQ(header.weights(), "weights.safetensors in int8");
   EXPECT_EQ(header.weights_hash(),
-            recording::HashOfFile(daemon->folder / "weights.safetensors").value() + " in bfloat16");
+            recording::HashOfFile(daemon->folder / "weights.safetensors").value() + " in int8");
   EXPECT_NE(header.config().find("high_water_mark = 2000"), std::string::npos);
   EXPECT_NE(header.config().find("# --set record.file: record.file = " + file_), std::string::npos)
       << header.config();

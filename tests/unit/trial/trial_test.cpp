@@ -132,7 +132,7 @@ TEST_P(RoundedTrialTest, GivesNearlyTheSamePoses) {
       worst.rms_deg, worst.largest_deg, least_style_deg);
   EXPECT_LT(worst.largest_deg, 10);
 }
-INSTANTIATE_TEST_SUITE_P(Precisions, RoundedTrialTest, testing::Values("bfloat16", "int8"),
+INSTANTIATE_TEST_SUITE_P(Precisions, RoundedTrialTest, testing::Values("int8"),
                          [](const auto& precision) { return precision.param; });
 
 TEST(TrialTest, RandomWeightsPassWithRoomToSpare) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -59,25 +58,18 @@ TEST(Kernels, EachTargetHasItsOwn) {
 
 // The weight that a product reads from a packed matrix of `columns` columns, `together` of which
 // share a number.
-float Unpacked(const Aligned& packed, Precision precision, int columns, int together, int row,
-               int column) {
+float Unpacked(const Aligned& packed, int columns, int together, int row, int column) {
   const int pairs = (columns + 1) / 2, panel = row / kPanelRows, in_panel = row % kPanelRows;
-  if (precision == Precision::kInt8) {
-    const int groups = (columns + together - 1) / together, group = column / together;
-    const auto* const begin = reinterpret_cast<const std::int8_t*>(packed.data()) +
-                              panel * (pairs * 2 + groups * 4) * kPanelRows;
-    const auto* const scales = reinterpret_cast<const float*>(begin + pairs * 2 * kPanelRows);
-    return static_cast<float>(begin[(column / 2 * kPanelRows + in_panel) * 2 + column % 2]) *
-           scales[group * kPanelRows + in_panel];
-  }
-  const float both = packed[(panel * pairs + column / 2) * kPanelRows + in_panel];
-  return column % 2 == 1 ? both : std::bit_cast<float>(std::bit_cast<std::uint32_t>(both) << 16);
+  const int groups = (columns + together - 1) / together, group = column / together;
+  const auto* const begin = reinterpret_cast<const std::int8_t*>(packed.data()) +
+                            panel * (pairs * 2 + groups * 4) * kPanelRows;
+  const auto* const scales = reinterpret_cast<const float*>(begin + pairs * 2 * kPanelRows);
+  return static_cast<float>(begin[(column / 2 * kPanelRows + in_panel) * 2 + column % 2]) *
+         scales[group * kPanelRows + in_panel];
 }
 
-// How far a packed weight may be from the one that it rounds; of int8 the largest of its row is 1.
-double MostRounding(Precision precision, float weight) {
-  return precision == Precision::kInt8 ? 0.501 / 127 : 2e-38 + std::ldexp(std::abs(weight), -8);
-}
+// How far a packed weight may be from the one that it rounds, where the largest of its row is 1.
+constexpr double kMostRounding = 0.501 / 127;
 
 // The inputs as a product reads them.
 std::vector<double> Read(const Aligned& x, Precision precision, int columns, int together) {
@@ -123,9 +115,8 @@ void CheckAffine(Precision precision, int rows, int columns, bool relu, std::mt1
   if (rounded) {
     kernels.pack(weights.data(), panels, columns, kScaleColumns);
     for (int i = 0; i < rows * columns; ++i) {
-      const float packed =
-          Unpacked(weights, precision, columns, kScaleColumns, i / columns, i % columns);
-      ASSERT_NEAR(packed, dense[i], MostRounding(precision, dense[i])) << i;
+      const float packed = Unpacked(weights, columns, kScaleColumns, i / columns, i % columns);
+      ASSERT_NEAR(packed, dense[i], kMostRounding) << i;
       dense[i] = packed;
     }
   }
@@ -163,10 +154,6 @@ void CheckAffineOfAnySize(Precision precision) {
 
 TEST(Kernels, AffineOfAnySizeForOneInputAndForSeveral) {
   OnEachTarget([] { CheckAffineOfAnySize(Precision::kFloat32); });
-}
-
-TEST(Kernels, AffineOfBfloat16OfAnySize) {
-  OnEachTarget([] { CheckAffineOfAnySize(Precision::kBfloat16); });
 }
 
 TEST(Kernels, AffineOfInt8OfAnySize) {
@@ -211,33 +198,6 @@ TEST(Kernels, InputsOfInt8ThatAreNotFiniteGiveNoUsualNumber) {
   }
 }
 
-// The first of a pair is the nearest bfloat16, ties to even; the second is as near, and keeps the
-// first in its lower bits.
-TEST(Kernels, Bfloat16IsTheNearest) {
-  constexpr float kStep = 1.0F / 128;  // between numbers from 1 to 2
-  const std::pair<float, float> cases[] = {{1 + kStep, 1 + kStep},
-                                           {1 + 0.49F * kStep, 1},
-                                           {1 + 0.5F * kStep, 1},
-                                           {1 + 0.51F * kStep, 1 + kStep},
-                                           {1 + 1.5F * kStep, 1 + 2 * kStep},
-                                           {-1 - 0.51F * kStep, -1 - kStep}};
-  for (const auto& [from, to] : cases) {
-    OnEachTarget([&, from = from, to = to] {
-      const Kernels& kernels = BestKernels(Precision::kBfloat16);
-      Aligned weights(2 * kPanelRows), bias(kPanelRows), x(2), y(kPanelRows);
-      x[0] = 1;
-      weights[0] = weights[kPanelRows] = from;
-      kernels.pack(weights.data(), 1, 2, 2);
-      const Operands one{bias.data(), x.data(), y.data()};
-      kernels.affine(weights.data(), 1, 2, {&one, 1}, false);
-      EXPECT_EQ(y[0], to) << kernels.target << ' ' << from;
-      std::swap(x[0], x[1]);
-      kernels.affine(weights.data(), 1, 2, {&one, 1}, false);
-      EXPECT_NEAR(y[0], from, kStep / 2) << kernels.target << ", second, " << from;
-    });
-  }
-}
-
 // The smallest and the largest numbers beside anything: no subnormal number, which would be slow,
 // and none that is not finite.
 TEST(Kernels, PackedWeightsAreNormalAndFinite) {
@@ -248,29 +208,17 @@ TEST(Kernels, PackedWeightsAreNormalAndFinite) {
       Aligned weights(2 * kPanelRows);
       weights[0] = even;
       weights[kPanelRows] = odd;
-      BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 2, 2);
+      BestKernels(Precision::kInt8).pack(weights.data(), 1, 2, 2);
+      const float largest = std::max(std::abs(even), std::abs(odd));
       for (const auto& [column, from] : {std::pair{0, even}, {1, odd}}) {
-        const float packed = Unpacked(weights, Precision::kBfloat16, 2, 2, 0, column);
+        const float packed = Unpacked(weights, 2, 2, 0, column);
         SCOPED_TRACE(testing::Message() << column << ", " << even << ' ' << odd);
         EXPECT_TRUE(std::isfinite(packed));
         EXPECT_NE(std::fpclassify(packed), FP_SUBNORMAL);
-        EXPECT_NEAR(packed, from, std::max(2e-38F, std::ldexp(std::abs(from), -7)));
+        EXPECT_NEAR(packed, from, std::max(1e-28, kMostRounding * largest));
       }
     }
   }
-}
-
-// Only the weights are rounded.
-TEST(Kernels, InputsOfBfloat16AreFloats) {
-  OnEachTarget([] {
-    Aligned weights(kPanelRows), bias(kPanelRows), x(1), y(kPanelRows);
-    x[0] = 1.0F / 3;
-    weights[0] = 1;
-    BestKernels(Precision::kBfloat16).pack(weights.data(), 1, 1, 1);
-    const Operands one{bias.data(), x.data(), y.data()};
-    BestKernels(Precision::kBfloat16).affine(weights.data(), 1, 1, {&one, 1}, false);
-    EXPECT_EQ(y[0], x[0]);
-  });
 }
 
 TEST(Kernels, StandardizeClampsAndReadsNotANumberAsTheMean) {
@@ -327,8 +275,8 @@ struct Layer {
     for (int row = 0; row < kRows; ++row) {
       const int at = LstmRow(row / Units, row % Units);
       for (int column = 0; column < kColumns; ++column) {
-        dense[row * kColumns + column] = (row / Units == 2 ? 1.0F : 2.0F) *
-                                         Unpacked(weights, precision, kColumns, Units, at, column);
+        dense[row * kColumns + column] =
+            (row / Units == 2 ? 1.0F : 2.0F) * Unpacked(weights, kColumns, Units, at, column);
       }
     }
   }
@@ -382,10 +330,8 @@ TEST(Kernels, LstmLayerIsThatOfTheEquations) {
 
 TEST(Kernels, RoundedLstmLayersAreThoseOfTheEquations) {
   OnEachTarget([] {
-    for (const Precision precision : {Precision::kBfloat16, Precision::kInt8}) {
-      ExpectLayerOfTheEquations<32>(precision);
-      ExpectLayerOfTheEquations<64>(precision);
-    }
+    ExpectLayerOfTheEquations<32>(Precision::kInt8);
+    ExpectLayerOfTheEquations<64>(Precision::kInt8);
   });
 }
 
@@ -428,10 +374,8 @@ TEST(Kernels, LstmStatesTogetherAreBitForBitThoseAlone) {
 
 TEST(Kernels, RoundedLstmStatesTogetherAreBitForBitThoseAlone) {
   OnEachTarget([] {
-    for (const Precision precision : {Precision::kBfloat16, Precision::kInt8}) {
-      ExpectStatesTogetherAsAlone<32>(BestKernels(precision));
-      ExpectStatesTogetherAsAlone<64>(BestKernels(precision));
-    }
+    ExpectStatesTogetherAsAlone<32>(BestKernels(Precision::kInt8));
+    ExpectStatesTogetherAsAlone<64>(BestKernels(Precision::kInt8));
   });
 }
 
