@@ -89,7 +89,9 @@ TEST(PtpManagement, AnyBytesAreBorne) {
       const auto reply = Read(bad);
       if (!reply) continue;
       ++read;
-      if (const auto* port = std::get_if<Port>(&reply->data)) EXPECT_NE(Text(port->state), "");
+      if (const auto* port = std::get_if<Port>(&reply->data)) {
+        EXPECT_NE(Text(port->state), "");
+      }
     }
   }
   EXPECT_GT(read, 100);
