@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing on Debian 12 through apt-get, then configures and builds a preset.
+# Installs what is missing on Debian 12 and 13 through apt-get, then configures and builds a preset.
 #   sim/setup.sh run            what the daemon, the simulator and the clients need
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
@@ -10,12 +10,14 @@
 
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev libboost1.81-dev libzmq3-dev
+# Alternatives are separated by |, the best first; >= gives the least version that will do; a package with a ? is
+# left out where there is none: the tree's format is clang-format 16's, and tests/lint.sh says so without it.
+styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev "libboost-dev>=1.81|libboost1.81-dev" libzmq3-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libsimdjson-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev
   libusb-1.0-0-dev libmeshoptimizer-dev libpugixml-dev libnats-dev scdoc)
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
-  clang-format-16 clang-tidy-16 xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd zlib1g-dev
+  "clang-format-16?" "clang-tidy-16?" xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd zlib1g-dev
   python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
   mono-runtime libumockdev-dev umockdev chromium libfaketime apt-utils gnupg nats-server openssl
   linuxptp iproute2)
@@ -27,8 +29,7 @@ styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pt
 styled_install() {
   local list="styled_packages_$1[@]" missing=() package
   for package in "${!list}"; do
-    [ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] ||
-      missing+=("$package")
+    styled_has "${package%\?}" || missing+=("$package")
   done
   # For styleweb's page. Checks for the command, not the package: node from another source has its
   # own npm.
@@ -46,10 +47,50 @@ styled_install() {
     echo "missing packages, and no apt-get to install them: ${missing[*]}" >&2
     return 1
   fi
-  echo "installing ${#missing[@]} packages: ${missing[*]}"
-  "${sudo[@]}" apt-get update -q >/dev/null &&
-    "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
-      apt-get install -q -y --no-install-recommends "${missing[@]}" >/dev/null
+  "${sudo[@]}" apt-get update -q >/dev/null || return 1
+  local chosen=() absent=()
+  for package in "${missing[@]}"; do
+    if styled_choose "${package%\?}"; then
+      chosen+=("$styled_chosen")
+    elif [[ "$package" != *\? ]]; then
+      absent+=("${package//|/ or }")
+    fi
+  done
+  if [ ${#absent[@]} -gt 0 ]; then
+    local name
+    name=$(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-}")
+    echo "${name:-this system} has no package ${absent[*]}; expected Debian 12 or 13" >&2
+    return 1
+  fi
+  [ ${#chosen[@]} -gt 0 ] || return 0
+  echo "installing ${#chosen[@]} packages: ${chosen[*]}"
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -q -y --no-install-recommends "${chosen[@]}" >/dev/null
+}
+
+# Whether one of a package's alternatives is installed, in a version that is new enough.
+styled_has() {
+  local one status version
+  for one in ${1//|/ }; do
+    read -r status version < <(dpkg-query -W -f='${db:Status-Status} ${Version}\n' "${one%%>=*}" 2>/dev/null) || true
+    if [ "$status" = installed ] && styled_new_enough "$one" "$version"; then return 0; fi
+  done
+  return 1
+}
+
+# The first alternative that apt-get can install, in styled_chosen.
+styled_choose() {
+  local one version
+  for one in ${1//|/ }; do
+    version=$(LC_ALL=C apt-cache policy "${one%%>=*}" 2>/dev/null | sed -n 's/^ *Candidate: \([0-9]\)/\1/p')
+    styled_chosen=${one%%>=*}
+    [ -z "$version" ] || ! styled_new_enough "$one" "$version" || return 0
+  done
+  return 1
+}
+
+styled_new_enough() {  # styled_new_enough NAME[>=VERSION] FOUND
+  [ "${1%%>=*}" = "$1" ] || dpkg --compare-versions "$2" ge "${1##*>=}"
 }
 
 # Reads Ninja's output and prints the progress: on a terminal one line that is rewritten, else a
