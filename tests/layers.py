@@ -38,6 +38,7 @@ ROWS = {
     "model/train/baselines": STAGES + " model/clip model/net model/train",
     "model/train/judge": STAGES + " model/clip model/feet model/gait model/neutral model/net model/stylist model/trial model/train",
     "model/tools": "model",
+    "model/library": STAGES + " model/net model/stylist model/trial",
     # Bytes that cross a process border.
     "proto/ipc": "model/base",
     "proto/keys": "model/base",
