@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# The README's two commands on a fresh Debian, in a chroot made by debootstrap: tests/distributions.sh [--demo] [SUITE...]
+#   --demo   only sim/demo.sh; tests/run.sh takes an hour
+#   SUITE    bookworm, trixie (default: both)
+# Needs root, debootstrap and some 10 GB below $STYLED_CHROOTS (default: a new folder in /var/tmp). The commit that is
+# checked out is built, without what is not committed. Prints the seconds of each command. Not part of CI.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+commands=("sim/demo.sh --seconds 5 --plain" tests/run.sh)
+suites=()
+for argument in "$@"; do
+  case "$argument" in
+    --demo) commands=("${commands[0]}") ;;
+    -*)
+      echo "unknown option '$argument'; expected --demo" >&2
+      exit 2
+      ;;
+    *) suites+=("$argument") ;;
+  esac
+done
+[ ${#suites[@]} -gt 0 ] || suites=(bookworm trixie)
+[ "$(id -u)" = 0 ] || { echo "distributions: expected root: debootstrap and chroot need it" >&2; exit 1; }
+command -v debootstrap >/dev/null || { echo "distributions: debootstrap is missing; apt-get install debootstrap" >&2; exit 1; }
+chroots=${STYLED_CHROOTS:-$(mktemp -d /var/tmp/styled-chroots.XXXXXX)}
+
+mounted=()
+unmount() {
+  local place
+  for place in "${mounted[@]}"; do umount -l "$place" || true; done
+}
+trap unmount EXIT
+
+bad=0
+for suite in "${suites[@]}"; do
+  chroot=$chroots/$suite
+  if [ ! -e "$chroot/etc/debian_version" ]; then
+    echo "$suite: debootstrap, in $chroot"
+    mkdir -p "$chroot"
+    debootstrap --variant=minbase --include=ca-certificates,git "$suite" "$chroot" >"$chroots/$suite.log" 2>&1 ||
+      { tail -n 5 "$chroots/$suite.log" >&2; exit 1; }
+  fi
+  for place in proc dev; do
+    mountpoint -q "$chroot/$place" && continue
+    mount --rbind "/$place" "$chroot/$place"
+    mounted+=("$chroot/$place")
+  done
+  cp /etc/resolv.conf "$chroot/etc/resolv.conf"
+  rm -rf "$chroot/src"
+  git clone -q "$root" "$chroot/src"
+  for command in "${commands[@]}"; do
+    begun=$SECONDS
+    if chroot "$chroot" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin sh -c "cd /src && $command" \
+      >"$chroots/$suite.log" 2>&1; then
+      result=ok
+    else
+      result=FAILED bad=1
+      tail -n 20 "$chroots/$suite.log"
+    fi
+    echo "$suite: $command: $result ($((SECONDS - begun)) s)"
+  done
+done
+exit $bad
