@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing on Debian 12 and 13 through apt-get, then configures and builds a preset.
+# Installs what is missing on Debian 12 or 13 through apt-get, then configures and builds a preset.
 #   sim/setup.sh run            what the daemon, the simulator and the clients need
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
