@@ -11,7 +11,7 @@
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # Alternatives are separated by |, the best first; >= gives the least version that will do; a package with a ? is
-# left out where there is none: the tree's format is clang-format 16's, and tests/lint.sh says so without it.
+# left out where there is none: the tree's format is clang-format 16's, and tests/lint.sh reports where it is missing.
 styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev "libboost-dev>=1.81|libboost1.81-dev" libzmq3-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libsimdjson-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev

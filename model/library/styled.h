@@ -101,8 +101,8 @@ STYLED_API int styled_frame(styled_performer* performer, int64_t time_ns, const 
                             const float* rotations, float* styled_root, float* styled_rotations,
                             uint32_t* flags);
 
-/* Before another take: as a new performer, but for the style and what was learnt of the performer's
- * neutral motion. The next frame's time may be anything. */
+/* Before another take: as a new performer, except for the style and what was learnt of the
+ * performer's neutral motion. The next frame's time may be anything. */
 STYLED_API int styled_reset(styled_performer* performer);
 
 /* The whole state: a performer of the same network and skeleton who is given it continues bit for

@@ -26,7 +26,7 @@ struct Frame {
   std::vector<float> root, rotations;
 };
 
-// A body and poses as a program has them.
+// A body and poses in the arrays of a program.
 class LibraryTest : public testing::Test {
  protected:
   LibraryTest() : skeleton_(feet::HumanoidBinding().skeleton()) {
