@@ -34,7 +34,10 @@ styled_install() {
   # For styleweb's page. Checks for the command, not the package: node from another source has its
   # own npm.
   command -v npm >/dev/null || missing+=(nodejs npm)
-  [ ${#missing[@]} -eq 0 ] && return 0
+  # What may be left out is no reason to ask for a password, or for the network.
+  local needed=0
+  for package in "${missing[@]}"; do [[ "$package" = *\? ]] && ! styled_choose "${package%\?}" || needed=1; done
+  [ "$needed" = 1 ] || return 0
   local sudo=()
   if [ "$(id -u)" != 0 ]; then
     if ! command -v sudo >/dev/null; then
@@ -58,7 +61,7 @@ styled_install() {
   done
   if [ ${#absent[@]} -gt 0 ]; then
     local name
-    name=$(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-}")
+    name=$(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-}") || true
     echo "${name:-this system} has no package ${absent[*]}; expected Debian 12 or 13" >&2
     return 1
   fi

@@ -10,7 +10,11 @@ cd "$(dirname "$0")/.."
 build=build/release
 
 tidy() {  # tidy < sources
-  command -v clang-tidy-16 >/dev/null || { echo "clang-tidy: skipped, there is no clang-tidy-16"; return 0; }
+  command -v clang-tidy-16 >/dev/null || {
+    cat >/dev/null  # else the writer dies of a broken pipe
+    echo "clang-tidy: skipped, there is no clang-tidy-16"
+    return 0
+  }
   xargs -r -P 2 -n 4 clang-tidy-16 -p build/sources --quiet >build/tidy.log 2>/dev/null
   ! grep -E '(error|warning):' build/tidy.log | sort -u | head -40 | grep .
 }

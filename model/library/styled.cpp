@@ -1,7 +1,6 @@
 #include "model/library/styled.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <exception>
 #include <functional>
@@ -11,8 +10,10 @@
 #include <span>
 #include <string>
 
-#include "model/base/checkpoint_bytes.h"
+#include "model/base/checkpoint.h"
 #include "model/base/flush_subnormals.h"
+#include "model/base/hash.h"
+#include "model/base/read_file.h"
 #include "model/net/shipped_weights.h"
 #include "model/rig/bind_body.h"
 #include "model/stylist/stylist.h"
@@ -23,8 +24,13 @@ using styled::FlushSubnormals;
 using styled::Result;
 using styled::Status;
 
+namespace {
+constexpr std::uint64_t kStateVersion = 1;  // of styled_save
+}
+
 struct styled_network {
   std::shared_ptr<const styled::net::Stylizer> stylizer;
+  std::uint64_t hash;  // of the file and the precision
   const styled::net::Styles& styles() const { return stylizer->model().styles; }
   const styled::net::StyleInfo* Find(int style) const {
     const bool known = style >= 0 && static_cast<std::size_t>(style) < styles().size();
@@ -38,23 +44,28 @@ struct styled_performer {
   std::optional<styled::stylist::Stylist> stylist;
   styled::rig::RigPose in;
   styled::stylist::Output out;
+  std::uint64_t identity;  // of the weights, their precision and the skeleton
   std::int64_t last_ns = 0;
   bool started = false;
 
   styled_performer(std::shared_ptr<const styled::net::Stylizer> the_network,
-                   std::shared_ptr<const styled::rig::Binding> the_binding)
+                   std::shared_ptr<const styled::rig::Binding> the_binding,
+                   std::uint64_t the_identity)
       : network(std::move(the_network)),
         binding(std::move(the_binding)),
         in(binding->skeleton()),
-        out(binding->skeleton()) {
+        out(binding->skeleton()),
+        identity(the_identity) {
     Restart();
   }
   void Restart() {
-    stylist.emplace(network, binding, styled::stylist::Options{});
+    styled::stylist::Stylist fresh(network, binding, styled::stylist::Options{});  // may throw
+    stylist = std::move(fresh);
     started = false;
   }
   void Carry(Checkpoint& c) noexcept {
-    c.Same(binding->skeleton().names.size());
+    c.Same(kStateVersion);
+    c.Same(identity);
     stylist->Carry(c);
     c.Time(last_ns);
     c(started);
@@ -92,7 +103,26 @@ Result<styled_network*> Load(const char* weights, const std::string& precision) 
   if (!file.ok()) return file.status();
   auto network = styled::trial::Load(file.value(), styled::net::PrecisionNamed(precision));
   if (!network.ok()) return network.status();
-  return new styled_network{std::move(network.value())};
+  const auto bytes = styled::ReadFile(file.value().string(), std::size_t{1} << 30);
+  if (!bytes.ok()) return bytes.status();
+  styled::Fnv1a hash;
+  hash.Text(bytes.value());
+  hash.Text(precision);
+  return new styled_network{std::move(network.value()), hash.value()};
+}
+
+// A state is for a performer of this network and this skeleton alone.
+std::uint64_t Identity(std::uint64_t network, const styled::rig::BindingSpec& spec) {
+  styled::Fnv1a hash;
+  hash.Bytes(&network, sizeof network);
+  for (std::size_t j = 0; j < spec.skeleton.names.size(); ++j) {
+    hash.Text(spec.skeleton.names[j]);
+    hash.Byte(0);
+    hash.Number(spec.skeleton.parents[j]);
+    hash.Bytes(spec.skeleton.offsets[j].data(), 3 * sizeof(float));
+    hash.Bytes(spec.rest_rotations[j].coeffs().data(), 4 * sizeof(float));
+  }
+  return hash.value();
 }
 
 Result<styled_performer*> Create(const styled_network* network, const styled_body* body) {
@@ -123,10 +153,11 @@ Result<styled_performer*> Create(const styled_network* network, const styled_bod
     const float* const rest = body->rest + std::ptrdiff_t{4} * j;
     read.rest.emplace_back(rest[3], rest[0], rest[1], rest[2]);
   }
-  if (body->dialect != nullptr) read.dialect = body->dialect;
+  if (body->dialect != nullptr && *body->dialect != '\0') read.dialect = body->dialect;
   auto bound = styled::rig::BindBody(read);
   if (!bound.ok()) return bound.status();
-  return new styled_performer(network->stylizer, bound.value().binding);
+  return new styled_performer(network->stylizer, bound.value().binding,
+                              Identity(network->hash, bound.value().binding->spec()));
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 /* libstyled: motion restyled in a program's own process, without the daemon, sockets or messages. A
- * C interface; model/library/README.md has an example of thirty lines.
+ * C interface; example.c beside it shows
+ * a program. A processor with AVX2 is needed, as by the daemon.
  *
  * A network is loaded once and shared by all performers. A performer is one stream of poses of one
  * skeleton: any skeleton, in its own units and axes, as the daemon accepts it. The result is the
- * same skeleton's pose in the style, bit for bit what the daemon publishes for the same frames.
+ * same skeleton's pose in the style, to the last bits of a rotation what
+ * a daemon with default settings publishes.
  *
  * Conventions. Right-handed axes; rotations are quaternions x, y, z, w, relative to the joint's
  * parent; joint 0 is the root, and parents precede their children. Time is in nanoseconds from any
@@ -22,6 +24,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* NOLINTBEGIN(readability-identifier-naming): the names are those of C */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -35,8 +38,10 @@ typedef struct styled_performer styled_performer;
 STYLED_API const char* styled_version(void);
 
 /* Reads a weights file and tries it on a built-in performer; some 0.2 s. `weights`: a path, or the
- * name of a shipped file ("v2", "open"); NULL: the shipped default. `precision`: "int8", "float32";
- * NULL: "int8", as the daemon. Returns NULL on failure, with a sentence in `error` (may be NULL).
+ * name of a shipped file ("v2", "open"); NULL: $STYLED_WEIGHTS, else the
+ * shipped default. Shipped files are searched beside the program and in /usr/share/styled/weights.
+ * `precision`: "int8", "float32"; NULL: "int8", as the daemon. Returns NULL on failure, with a
+ * sentence in `error` (may be NULL).
  */
 STYLED_API styled_network* styled_load(const char* weights, const char* precision, char* error,
                                        size_t error_size);
@@ -79,24 +84,24 @@ enum {
   STYLED_ERROR_STATE = -3     /* the bytes are of another network, skeleton or version */
 };
 
-/* From the next frame on: a mix of `count` styles, 0 .. 4, each with a weight of 0 .. 1.5, which
- * sum to at most 1.5. 0 styles: the performer's own. The change fades in over `transition_s`, 0 ..
- * 60 (0.1 is usual). */
+/* From the next frame on: a mix of `count` different styles but neutral, 0 .. 4, each with a weight
+ * of 0 .. 1.5, which sum to at most 1.5. 0 styles: the performer's own. The change fades in over
+ * `transition_s`, 0 .. 60 (0.1 is usual). */
 STYLED_API int styled_set(styled_performer* performer, const int32_t* styles, const float* weights,
                           int count, float transition_s);
 
-/* Bits of styled_frame's `flags`. */
+/* Bits of styled_frame's `flags`; the others are reserved. */
 enum {
-  STYLED_FLAG_HELD = 16, /* a joint was not finite, or a rotation zero: its last value was taken */
+  STYLED_FLAG_HELD = 16,    /* a joint was not finite or the root jumped: the last value */
   STYLED_FLAG_BYPASS = 32,  /* the performer's own motion, bit for bit */
   STYLED_FLAG_FADING = 128, /* a change of style is under way */
   STYLED_FLAG_FAILED = 256  /* the styled pose was not sound, so the performer's own is given */
 };
 
-/* Restyles a frame. `time_ns` is after the last frame's; frames may come at any rate from 4 to
- * 1,000 Hz. `root` [3] is joint 0's position, `rotations` [joint_count][4] the joints'. Writes
- * `styled_root` [3] and `styled_rotations` [joint_count][4], which may be the same arrays, and,
- * unless it is NULL, `flags`. */
+/* Restyles a frame. `time_ns` is after the last frame's and within 2^61 of 0; frames may come at
+ * any rate from 4 to 1,000 Hz. `root` [3] is joint 0's position, `rotations` [joint_count][4] the
+ * joints'. Writes `styled_root` [3] and `styled_rotations` [joint_count][4], which may be the same
+ * arrays, and, unless it is NULL, `flags`. */
 STYLED_API int styled_frame(styled_performer* performer, int64_t time_ns, const float* root,
                             const float* rotations, float* styled_root, float* styled_rotations,
                             uint32_t* flags);
@@ -114,5 +119,6 @@ STYLED_API int styled_restore(styled_performer* performer, const void* bytes, si
 #ifdef __cplusplus
 }
 #endif
+/* NOLINTEND(readability-identifier-naming) */
 
 #endif

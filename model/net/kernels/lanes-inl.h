@@ -16,6 +16,7 @@
 
 #include "model/net/kernels/kernel.h"
 
+// NOLINTBEGIN(misc-definitions-in-headers): all is of an anonymous namespace, once per target.
 HWY_BEFORE_NAMESPACE();
 namespace styled::net {
 namespace HWY_NAMESPACE {
@@ -100,5 +101,6 @@ HWY_INLINE void LstmOf(int units, std::span<const LstmOperands> states, const Ru
 }  // namespace HWY_NAMESPACE
 }  // namespace styled::net
 HWY_AFTER_NAMESPACE();
+// NOLINTEND(misc-definitions-in-headers)
 
 #endif  // per target

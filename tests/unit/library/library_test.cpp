@@ -165,6 +165,22 @@ TEST_F(LibraryTest, ASavedPerformerContinuesBitForBit) {
   state.pop_back();
   EXPECT_EQ(styled_restore(other, state.data(), state.size()), STYLED_ERROR_STATE);
   EXPECT_EQ(styled_restore(other, "", 0), STYLED_ERROR_STATE);
+  state.push_back(0);
+  styled_save(one, state.data(), state.size());
+  std::swap(names_[1], names_[2]);  // the same joints in another order
+  styled_performer* const another = styled_create(Network(), &body_, nullptr, 0);
+  if (another != nullptr) {
+    EXPECT_EQ(styled_restore(another, state.data(), state.size()), STYLED_ERROR_STATE);
+  }
+  std::swap(names_[1], names_[2]);
+  styled_network* const rough = styled_load(kWeights.c_str(), "float32", nullptr, 0);
+  styled_performer* const foreign = styled_create(rough, &body_, nullptr, 0);
+  EXPECT_EQ(styled_restore(foreign, state.data(), state.size()), STYLED_ERROR_STATE);
+  EXPECT_EQ(styled_restore(other, state.data(), state.size()), STYLED_OK);
+  styled_reset(other);
+  styled_destroy(another);
+  styled_destroy(foreign);
+  styled_release(rough);
   Step(other, 0);  // as new
   styled_destroy(one);
   styled_destroy(other);
