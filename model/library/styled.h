@@ -1,11 +1,10 @@
 /* libstyled: motion restyled in a program's own process, without the daemon, sockets or messages. A
- * C interface; example.c beside it shows
- * a program. A processor with AVX2 is needed, as by the daemon.
+ * C interface; example.c shows a program. The processor needs AVX2, as for the daemon.
  *
  * A network is loaded once and shared by all performers. A performer is one stream of poses of one
  * skeleton: any skeleton, in its own units and axes, as the daemon accepts it. The result is the
- * same skeleton's pose in the style, to the last bits of a rotation what
- * a daemon with default settings publishes.
+ * same skeleton's pose in the style: except for the last bits of a rotation it is the pose that a
+ * daemon with default settings publishes.
  *
  * Conventions. Right-handed axes; rotations are quaternions x, y, z, w, relative to the joint's
  * parent; joint 0 is the root, and parents precede their children. Time is in nanoseconds from any
@@ -52,11 +51,11 @@ STYLED_API void styled_release(styled_network* network);
 STYLED_API int styled_style_count(const styled_network* network);
 /* NULL if there is no such style. */
 STYLED_API const char* styled_style_name(const styled_network* network, int style);
-/* Under which licence a style may be used, and who is to be credited, e.g. "CC BY-NC 4.0"; "" if
- * the file does not say. NULL if there is no such style. */
+/* The licence of a style, e.g. "CC BY-NC 4.0", and the names that it must be credited to; "" if the
+ * file does not say. NULL if there is no such style. */
 STYLED_API const char* styled_style_licence(const styled_network* network, int style);
 STYLED_API const char* styled_style_credit(const styled_network* network, int style);
-/* By name or alias, in any case; -1 if there is none. */
+/* A style's number by its name or alias, in upper or lower case; -1 if there is none. */
 STYLED_API int styled_find_style(const styled_network* network, const char* name);
 
 typedef struct styled_body {
@@ -110,9 +109,9 @@ STYLED_API int styled_frame(styled_performer* performer, int64_t time_ns, const 
  * performer's neutral motion. The next frame's time may be anything. */
 STYLED_API int styled_reset(styled_performer* performer);
 
-/* The whole state: a performer of the same network and skeleton who is given it continues bit for
- * bit. styled_save returns how many bytes the state has, and writes them if `size` is at least
- * that. After STYLED_ERROR_STATE the performer is as new. These two may allocate. */
+/* A performer's whole state. Another performer of the same network and skeleton continues from it
+ * bit for bit. styled_save returns how many bytes the state has, and writes them if `size` is at
+ * least that. After STYLED_ERROR_STATE the performer is as new. These two may allocate. */
 STYLED_API size_t styled_save(styled_performer* performer, void* bytes, size_t size);
 STYLED_API int styled_restore(styled_performer* performer, const void* bytes, size_t size);
 

@@ -39,7 +39,8 @@ Status FindAxes(BindingSpec& spec) {
   };
   const Vec3 left = NearestAxis(at(body::kLeftUpperArm) - at(body::kRightUpperArm));
   const Vec3 up = NearestAxis(at(body::kHead) - at(body::kHips));
-  if (left.dot(up) != 0) return Status::Error("body: rest: does not make a T-pose");
+  if (left.isZero() || up.isZero() || left.dot(up) != 0)
+    return Status::Error("body: rest: does not make a T-pose");
   Eigen::Matrix3f axes;
   // The rows are the canonical axes in source coordinates, so the matrix maps source to canonical.
   // left x up is forward, which makes it a rotation.

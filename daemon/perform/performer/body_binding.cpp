@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "model/base/text.h"
 #include "model/rig/bind_body.h"
@@ -24,6 +23,10 @@ Status Count(const std::string& field, int found, int expected) {
 // The message as a body; its numbers are checked by rig::CheckBody.
 Result<rig::RigBody> ReadBody(const v1::Body& body) {
   const int joints = body.names_size();
+  if (joints < 1 || joints > rig::kMaxSourceJoints) {  // before anything of it is copied
+    return Status::Error("body: found " + std::to_string(joints) + " joints, expected 1 to " +
+                         std::to_string(rig::kMaxSourceJoints));
+  }
   Status status = Count("parents", body.parents_size(), joints);
   if (status.ok()) status = Count("offsets", body.offsets_size(), 3 * joints);
   if (status.ok() && body.rest_size() > 0) status = Count("rest", body.rest_size(), 4 * joints);
