@@ -1,4 +1,4 @@
-"""The package's copyright file agrees with the metadata of each weights file and with its manifest.
+"""Copyright file, FILE.license, metadata and manifest of each weights file agree.
 
 A company reads it to learn which weights it may use."""
 import json
@@ -43,17 +43,29 @@ def stanza_of(copyright, weights):
     return {}
 
 
+def beside(weights):
+    """FILE.license beside it, in the form of the REUSE specification: (licence, names)."""
+    text = read('model', 'weights', weights + '.safetensors.license')
+    licence, = re.findall(r'(?m)^SPDX-License-Identifier: (\S+)$', text)
+    return licence, '\n'.join(re.findall(r'(?m)^SPDX-FileCopyrightText: (.+)$', text))
+
+
 def complaints(copyright, weights):
     """The errors of the copyright file about a weights file; []: none."""
     stanza = stanza_of(copyright, weights)
     if not stanza:
         return [f'{weights}: no stanza']
+    return wrong_terms(weights, stanza['License'], stanza['Copyright'])
+
+
+def wrong_terms(weights, licence, names):
+    """The errors of a licence and credits of a weights file; []: none."""
     wrong = []
-    if stanza['License'] != licence_of(weights):
-        wrong.append(f"{weights}: is {licence_of(weights)}, the copyright file says {stanza['License']}")
+    if licence != licence_of(weights):
+        wrong.append(f'{weights}: is {licence_of(weights)}, found {licence}')
     manifest = read('model', 'weights', 'manifests', MANIFESTS[weights]).lower()
     for source, credit in CREDITS.items():
-        if source in manifest and credit not in stanza['Copyright']:
+        if source in manifest and credit not in names:
             wrong.append(f'{weights}: {credit} is not credited')
     return wrong
 
@@ -68,6 +80,11 @@ class LicencesTest(unittest.TestCase):
         for weights in self.installed:
             with self.subTest(weights=weights):
                 self.assertEqual([], complaints(self.copyright, weights))
+
+    def test_the_licence_file_beside_it_agrees(self):
+        for weights in self.installed:
+            with self.subTest(weights=weights):
+                self.assertEqual([], wrong_terms(weights, *beside(weights)))
 
     def test_every_licence_that_is_named_has_its_text(self):
         named = set(re.findall(r'^License: (\S+)$', self.copyright, re.MULTILINE))
