@@ -1,6 +1,7 @@
 #include "model/net/shipped_weights.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <string>
 #include <system_error>
@@ -12,7 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExtension = ".safetensors";
-constexpr const char* kDefault = "v2.safetensors";
+// The first that is installed is used where no file is named: v2 has more styles, but is not for
+// commercial use and in a package of its own.
+constexpr std::array kDefaults{"v2.safetensors", "open.safetensors"};
 
 // The places of shipped weights: in an installation, in the source tree of a build, in the system.
 std::vector<fs::path> Folders() {
@@ -37,11 +40,13 @@ Result<fs::path> FindWeights(const fs::path& given) {
   }
   std::vector<fs::path> candidates;
   if (wanted.empty()) {
-    wanted = kDefault;
+    for (const fs::path& folder : Folders()) {
+      for (const char* name : kDefaults) candidates.push_back(folder / name);
+    }
   } else {
     candidates.push_back(wanted);
   }
-  if (!wanted.has_parent_path()) {
+  if (!wanted.empty() && !wanted.has_parent_path()) {
     fs::path name = wanted;
     if (name.extension() != kExtension) name += kExtension;
     for (const fs::path& folder : Folders()) candidates.push_back(folder / name);
@@ -57,11 +62,14 @@ Result<fs::path> FindWeights(const fs::path& given) {
 }
 
 bool IsShippedDefault(const fs::path& file) {
-  const std::vector<fs::path> folders = Folders();
-  return std::any_of(folders.begin(), folders.end(), [&file](const fs::path& folder) {
-    std::error_code error;
-    return fs::equivalent(folder / kDefault, file, error) && !error;
-  });
+  for (const fs::path& folder : Folders()) {
+    for (const char* name : kDefaults) {
+      std::error_code error;
+      if (fs::equivalent(folder / name, file, error) && !error) return true;
+      if (fs::exists(folder / name, error)) break;  // it is the default of this folder
+    }
+  }
+  return false;
 }
 
 std::vector<fs::path> OtherShippedWeights(const fs::path& file) {

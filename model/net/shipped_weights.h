@@ -7,9 +7,10 @@
 
 namespace styled::net {
 
-// Finds the weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped file.
-// A name without a folder that does not exist as a file here is searched among the shipped ones,
-// with or without its ".safetensors". The error lists the places searched. Start-up only. Pinned by
+// Finds the weights file to use: `given` if not empty, else $STYLED_WEIGHTS, else the shipped v2,
+// else the shipped open, which is installed without v2 by those who may not use it. A name without
+// a folder that does not exist as a file here is searched among the shipped ones, with or without
+// its ".safetensors". The error lists the places searched. Start-up only. Pinned by
 // tests/e2e/tools_test.cpp.
 Result<std::filesystem::path> FindWeights(const std::filesystem::path& given);
 
