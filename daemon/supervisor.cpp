@@ -116,6 +116,7 @@ Status Supervisor::Start() {
   if (status.ok()) {
     spdlog::info("styled {} ready: weights {}, publishing on {}, control on {}", STYLED_VERSION,
                  runtime_config_->weights_name, publish_endpoint_, control_endpoint_);
+    for (const net::Terms& terms : runtime_config_->terms) spdlog::info("{}", TermsText(terms));
     notifier_.Ready("ready");
     StartSignOfLife();
   }

@@ -12,6 +12,7 @@
 #include "daemon/looks/made_style.h"
 #include "daemon/looks/retarget_output.h"
 #include "model/base/status.h"
+#include "model/net/licence.h"
 #include "model/net/stylizer.h"
 #include "model/rig/dialects.h"
 #include "model/stylist/stylist.h"
@@ -31,6 +32,7 @@ struct RuntimeConfig {
   // still be fading out from them.
   std::map<int, std::shared_ptr<const MadeStyle>> retired;
   std::string weights_name;             // file names, for status
+  std::vector<net::Terms> terms;        // of each file of weights
   std::uint32_t weights_crc = 0;        // hash of all their bytes
   std::string weights_hash;             // Networks::examples_hash
   std::set<std::string> kept;           // those of `made` that are in the library

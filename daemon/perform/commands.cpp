@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "daemon/looks/refusal.h"
+#include "daemon/perform/terms.h"
 #include "model/base/text.h"
 
 namespace styled::pipeline {
@@ -170,12 +171,17 @@ void Commands::List(v1::Reply& reply) const {
     info.set_weak(net::IsWeak(styles[i]));
     info.set_model(styles[i].model);
     info.set_varies(styles[i].varies);
-    info.set_licence(styles[i].licence);
-    info.set_credit(styles[i].credit);
     info.set_designable(styles[i].designable);
     const bool own = static_cast<int>(i) < roster_.config().own_styles;
     const auto found = roster_.config().made.find(styles[i].name);
-    if (own || found == roster_.config().made.end()) continue;
+    const bool made = !own && found != roster_.config().made.end();
+    if (made) {
+      info.set_licence(found->second->licence);
+    } else {
+      FillTerms(styles[i], roster_.config().terms, info);
+    }
+    FillCommercialUse(info);
+    if (!made) continue;
     info.set_made(true);
     info.set_source(found->second->source);
     info.set_nearest(found->second->nearest);
@@ -185,6 +191,7 @@ void Commands::List(v1::Reply& reply) const {
     }
   }
   if (space != nullptr) ListSliders(*space, list);
+  for (const net::Terms& terms : roster_.config().terms) FillTerms(terms, *list.add_terms());
   for (const Cue& cue : roster_.config().cues) {
     auto& info = *list.add_cues();
     info.set_name(cue.name);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "daemon/perform/terms.h"
+
 namespace styled::pipeline {
 namespace {
 
@@ -84,6 +86,7 @@ void Stats::Fill(v1::StatusReply& status) const {
   status.set_epoch(roster_.epoch());
   status.set_uptime_s(static_cast<double>(dependencies_.clock.Now_ns() - started_ns_) * 1e-9);
   status.set_weights(roster_.config().weights_name);
+  for (const net::Terms& terms : roster_.config().terms) FillTerms(terms, *status.add_terms());
   Fill(*status.mutable_stats());
   for (std::size_t i = 0; i < transports_.size(); ++i) DescribeSource(i, *status.add_sources());
 }

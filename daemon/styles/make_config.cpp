@@ -64,10 +64,12 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
     made->loaded = running->loaded;
     made->own_styles = running->own_styles;
     made->weights_hash = running->weights_hash;
+    made->terms = running->terms;
   } else {
     made->network = made->loaded = networks.value().network;
     made->own_styles = networks.value().own_styles;
     made->weights_hash = networks.value().examples_hash;
+    made->terms = std::move(networks.value().terms);
   }
   made->style = config.style;
   made->presets = config.presets;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include "daemon/styles/style_list.h"
@@ -50,6 +51,8 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
     if (!found.ok()) {
       return Status::Error("model." + std::string(beside.key) + ": " + found.status().message());
     }
+    std::error_code error;  // the shipped default may be the file of `gaits`
+    if (std::filesystem::equivalent(found.value(), main.value(), error)) continue;
     files.push_back(found.value());
   }
   return files;
@@ -103,6 +106,7 @@ Result<Networks> ReadNetworks(const config::Model& model,
                            network.value()->model().family +
                            "\" takes no examples; expected weights that have a style encoder");
     }
+    networks.terms.push_back(net::ReadTerms(files.value()[i], network.value()->model().licence));
     named.push_back({files.value()[i].stem().string(), std::move(network.value())});
   }
   // As in several_space.h: the first network whose codes depend on its weights, if there is one.

@@ -9,6 +9,7 @@
 
 #include "daemon/config/config.h"
 #include "model/base/status.h"
+#include "model/net/licence.h"
 #include "model/net/stylizer.h"
 
 namespace styled::pipeline {
@@ -28,8 +29,9 @@ Result<WeightsLabel> LabelOf(const config::Model& model,
 // The networks of these files, combined into one (model/net/several).
 struct Networks {
   std::shared_ptr<const net::Stylizer> network;
-  int own_styles = 0;  // of the files
-  std::string names;   // as in WeightsLabel
+  int own_styles = 0;             // of the files
+  std::string names;              // as in WeightsLabel
+  std::vector<net::Terms> terms;  // of each file
   // CRC-32C of the tensors of the file whose network makes styles from examples. Such styles stay
   // valid when only the file's description of its styles changes.
   std::string examples_hash;

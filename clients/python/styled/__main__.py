@@ -162,7 +162,8 @@ def run_list(a):
     for style in reply.styles:
         evidence = [f'recognized {int(100 * style.recognized) / 100:.2f}{" (weak)" if style.weak else ""}'] \
             if style.recognized > 0 else []
-        print(style.name, *(f'({alias})' for alias in style.aliases), *evidence)
+        terms = [style.licence] if style.licence else []
+        print(style.name, *(f'({alias})' for alias in style.aliases), *evidence, *terms)
     for cue in reply.cues:
         print(f'cue {cue.name}: {cue.performer}', *([f'at {cue.at}'] if cue.at else []))
     for preset in reply.presets:
