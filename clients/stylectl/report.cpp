@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "clients/cpp/control.h"
+#include "clients/stylectl/licence_report.h"
 #include "clients/stylectl/look_options.h"
 #include "proto/rigs/types.h"
 
@@ -185,12 +186,14 @@ json MovedJson(const v1::MovedLimbs& moved) {
 }  // namespace
 
 std::string ListText(const v1::ListReply& list) {
-  std::vector<std::vector<std::string>> rows{{"STYLE", "RECOGNIZED", "RECORDED", "ALSO"}};
+  std::vector<std::vector<std::string>> rows{
+      {"STYLE", "RECOGNIZED", "RECORDED", "COMMERCIAL", "ALSO"}};
   for (const auto& style : list.styles()) {
     std::string also;
     for (const std::string& alias : style.aliases()) also += (also.empty() ? "" : ", ") + alias;
     if (style.neutral()) also += also.empty() ? "(neutral)" : "  (neutral)";
-    rows.push_back({style.name(), RecognizedText(style), RecordedText(style), also});
+    rows.push_back({style.name(), RecognizedText(style), RecordedText(style),
+                    CommercialText(style.commercial_use()), also});
   }
   std::string out = Table(rows);
   if (!list.presets().empty()) {
@@ -348,6 +351,10 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                     std::to_string(stats.performers_size()) + " performer" +
                     (stats.performers_size() == 1 ? "" : "s") + ", " + std::to_string(live) +
                     " live\n";
+  for (const auto& terms : status.terms()) {
+    out += terms.file() + ": licence " + (terms.licence().empty() ? "not given" : terms.licence()) +
+           (terms.commercial_use() == v1::COMMERCIAL_USE_NO ? ", not for commercial use\n" : "\n");
+  }
   if (stats.has_clock()) out += ClockText(stats.clock());
   if (stats.has_standby()) out += StandbyText(stats.standby());
   if (stats.performers_size() > 0) {
@@ -455,6 +462,9 @@ json ListJson(const v1::ListReply& list) {
     entry["model"] = style.model();
     entry["varies"] = style.varies();
     entry["made"] = style.made();
+    entry["licence"] = style.licence();
+    entry["credit"] = style.credit();
+    entry["commercial"] = CommercialJson(style.commercial_use());
     if (!style.made()) continue;
     entry["source"] = style.source();
     entry["nearest"] = style.nearest();
@@ -466,7 +476,10 @@ json ListJson(const v1::ListReply& list) {
   for (const auto& cue : list.cues()) {
     cues.push_back({{"name", cue.name()}, {"at", cue.at()}, {"performer", cue.performer()}});
   }
-  return {{"styles", styles}, {"presets", presets}, {"cues", cues}};
+  return {{"styles", styles},
+          {"presets", presets},
+          {"cues", cues},
+          {"weights", LicencesJson(list)["weights"]}};
 }
 
 json StatusJson(const v1::StatusReply& status) {

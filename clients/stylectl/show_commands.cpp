@@ -7,6 +7,7 @@
 
 #include "clients/stylectl/cli.h"
 #include "clients/stylectl/commands.h"
+#include "clients/stylectl/licence_report.h"
 #include "clients/stylectl/report.h"
 #include "model/tools/number.h"
 
@@ -31,6 +32,21 @@ int List(Session& session) {
     session.out << object.dump() << "\n";
   } else {
     session.out << ListText(list);
+  }
+  return kExitOk;
+}
+
+int Licences(Session& session) {
+  v1::ListReply list;
+  if (const CallStatus status = session.control().List(&list); !status.ok()) {
+    return session.Fail(status);
+  }
+  if (session.json) {
+    nlohmann::json object = LicencesJson(list);
+    object["ok"] = true;
+    session.out << object.dump() << "\n";
+  } else {
+    session.out << LicencesText(list);
   }
   return kExitOk;
 }
@@ -126,6 +142,10 @@ void DeclareShowCommands(Session& session) {
       session.AddOnline("stages", "which of several daemons leads and which follows",
                         [&session, endpoints] { return Stages(session, *endpoints); });
   stages->add_option("ENDPOINT", *endpoints, "control addresses (default: that of --endpoint)");
+  session
+      .AddOnline("licences", "which styles may be used commercially, and whom to credit",
+                 [&session] { return Licences(session); })
+      ->alias("licenses");
 }
 
 }  // namespace styled::stylectl

@@ -50,11 +50,21 @@ v1::Reply Answer(const v1::Request& request) {
     old.add_aliases("elderly");
     old.set_recognized(0.984F);
     old.set_recorded_s(432);
+    old.set_licence("CC-BY-NC-4.0");
+    old.set_credit("its actors");
+    old.set_commercial_use(v1::COMMERCIAL_USE_NO);
     auto& proud = *reply.mutable_list()->add_styles();
     proud.set_name("proud");
     proud.set_recognized(0.312F);
     proud.set_recorded_s(48);
     proud.set_weak(true);
+    proud.set_licence("CC0-1.0");
+    proud.set_commercial_use(v1::COMMERCIAL_USE_YES);
+    auto& terms = *reply.mutable_list()->add_terms();
+    terms.set_file("w.safetensors");
+    terms.set_licence("CC-BY-NC-4.0");
+    terms.set_credit("its actors");
+    terms.set_commercial_use(v1::COMMERCIAL_USE_NO);
     reply.mutable_list()->add_presets()->set_name("scene");
     return reply;
   }
@@ -147,10 +157,10 @@ class StylectlTest : public testing::Test {
 TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_EQ(Run({"list"}), kExitOk);
   EXPECT_EQ(out_.str(),
-            "STYLE    RECOGNIZED  RECORDED  ALSO\n"
-            "neutral  -           -         (neutral)\n"
-            "old      0.98        7.2 min   elderly\n"
-            "proud    0.31 weak   48 s\n\n"
+            "STYLE    RECOGNIZED  RECORDED  COMMERCIAL  ALSO\n"
+            "neutral  -           -         -           (neutral)\n"
+            "old      0.98        7.2 min   no          elderly\n"
+            "proud    0.31 weak   48 s      yes\n\n"
             "PRESET  MIX\nscene   bypass\n");
   EXPECT_EQ(Run({"status"}), kExitOk);
   EXPECT_TRUE(Says("styled 1.2.3"));
@@ -159,6 +169,25 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_FALSE(Says("source.zero"));
   EXPECT_EQ(Run({"status", "--all"}), kExitOk);
   EXPECT_TRUE(Says("source.zero"));
+}
+
+TEST_F(StylectlTest, LicencesSayWhatACompanyMayUseAndWhomItCredits) {
+  EXPECT_EQ(Run({"licences"}), kExitOk);
+  EXPECT_EQ(out_.str(),
+            "for commercial use, with the credits below: proud\n"
+            "not for commercial use: old\n\n"
+            "WEIGHTS        LICENCE       COMMERCIAL\n"
+            "w.safetensors  CC-BY-NC-4.0  no\n\n"
+            "credits:\n"
+            "  w.safetensors: its actors\n"
+            "  proud: licence CC0-1.0\n"
+            "The programs are Apache-2.0. A licence's own text counts.\n");
+  EXPECT_EQ(Run({"licenses", "--json"}), kExitOk);
+  const auto all = nlohmann::json::parse(out_.str());
+  EXPECT_TRUE(all["styles"][0]["commercial"].is_null());
+  EXPECT_EQ(all["styles"][1]["commercial"], false);
+  EXPECT_EQ(all["styles"][2]["licence"], "CC0-1.0");
+  EXPECT_EQ(all["weights"][0]["credit"], "its actors");
 }
 
 TEST_F(StylectlTest, UnmeasuredValuesOfAStyleAreNullInJson) {
