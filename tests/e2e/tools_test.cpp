@@ -1,6 +1,7 @@
 // The offline programs as a user runs them in a shell.
 #include "tests/e2e/tools.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,6 +18,9 @@
 
 namespace styled::support {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
 
 TEST_F(ToolsTest, StylesimSaysOnceThatNobodyListens) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "udp://127.0.0.1:9", "--seconds", "1"}), 0);
@@ -490,6 +494,38 @@ TEST_F(ToolsTest, ShippedWeightsAreFoundByName) {
   EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", "zombie"}), 1);
   EXPECT_NE(output_.find("looked for zombie, "), std::string::npos) << output_;
   EXPECT_EQ(Run({STYLIZE_BINARY, "--list", "--weights", folder_ / "st-gcn"}), 1) << "a path";
+}
+
+TEST_F(ToolsTest, LicencesOfShippedWeightsTellACompanyWhatItMayUse) {
+  const std::string out = folder_ / "licence.txt";
+  const auto licence_of = [&](const std::string& words) {
+    EXPECT_EQ(Run({"/bin/sh", "-c", std::string(STYLIZE_BINARY) + " " + words + " >" + out}), 0)
+        << output_;
+    return ReadText(out);
+  };
+  EXPECT_THAT(
+      licence_of("--licence --weights v2"),
+      AllOf(HasSubstr("v2.safetensors: licence CC-BY-NC-4.0, not for commercial use\n  credit: "),
+            HasSubstr("Bandai Namco Research Inc."),
+            HasSubstr("other weights: open.safetensors: licence CC-BY-4.0, for commercial use")));
+  EXPECT_THAT(
+      licence_of("--license --weights open"),
+      HasSubstr("  angry, elated: licence CC BY 4.0, for commercial use too if credited; credit: "
+                "The 100STYLE Dataset - Ian Mason\n"));
+}
+
+// An installation without the package styled-weights-nc.
+TEST_F(ToolsTest, WithoutTheDefaultWeightsThoseForCommercialUseAreTheDefault) {
+  std::filesystem::create_directories(folder_ / "share/styled/weights");
+  std::filesystem::create_directories(folder_ / "bin");
+  std::filesystem::copy(net::FindWeights("open").value(),
+                        folder_ / "share/styled/weights/open.safetensors");
+  std::filesystem::copy(STYLIZE_BINARY, folder_ / "bin/stylize");
+  const std::string in = Walk(), out = folder_ / "out.bvh";
+  EXPECT_EQ(Run({folder_ / "bin/stylize", "--style", "zombie", in, out}), 0) << output_;
+  EXPECT_EQ(Run({folder_ / "bin/stylize", "--style", "giant", in, folder_ / "none.bvh"}), 2)
+      << output_;
+  EXPECT_THAT(output_, HasSubstr("giant"));
 }
 
 TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {

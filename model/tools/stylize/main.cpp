@@ -20,6 +20,7 @@
 #include "model/net/shipped_weights.h"
 #include "model/tools/command_line.h"
 #include "model/tools/stylize/files.h"
+#include "model/tools/stylize/licence.h"
 #include "model/tools/stylize/preview.h"
 #include "model/tools/stylize/report.h"
 #include "model/tools/stylize/restyle.h"
@@ -52,6 +53,14 @@ int List(const Arguments& arguments) {
   for (const auto& other : styled::net::OtherShippedWeights(file.value())) {
     std::fprintf(stderr, "other weights: --weights %s\n", other.stem().c_str());
   }
+  return 0;
+}
+
+int Licence(const Arguments& arguments) {
+  auto network = stylize::LoadNetwork(arguments);
+  if (!network.ok()) return Fail(network.status());
+  const auto file = styled::stylize::FindWeightsFor(arguments);
+  std::printf("%s", stylize::LicenceText(file.value(), network.value().model()).c_str());
   return 0;
 }
 
@@ -461,5 +470,6 @@ int main(int argc, char** argv) {
     const Status explained = stylize::Explain(arguments);
     return explained.ok() ? 0 : Fail(explained);
   }
+  if (arguments.licence) return Licence(arguments);
   return arguments.list ? List(arguments) : Run(arguments).All();
 }

@@ -136,6 +136,8 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false)
       ->needs(avatar);
   app.add_flag("--list", arguments.list, "print the styles of the weights");
+  app.add_flag("--licence,--license", arguments.licence,
+               "print the licences of the weights, and whom to credit");
   app.add_option(
       "files", arguments.files,
       "input BVH and output file (" + clip::FormatNames() +
@@ -239,7 +241,7 @@ Status CheckTogether(const CLI::App& app, const Arguments& arguments) {
   if (!arguments.explain.empty() && !arguments.files.empty()) {
     return Status::Error("--explain: found other files, too, expected one clip or avatar alone");
   }
-  if (arguments.list || !arguments.explain.empty()) return Status::Ok();
+  if (arguments.list || arguments.licence || !arguments.explain.empty()) return Status::Ok();
   if (!arguments.like_joints.empty() && arguments.like.empty()) {
     return Status::Error("--like-joints: expected --like, whose clips they belong to");
   }

@@ -40,6 +40,7 @@ struct Arguments {
   std::string content;                // of the motion; "": the network recognizes it
   bool cadence = false;               // warp time, so that steps come as often as the style's
   bool absolute = false, no_bypass = false, feet = true, bind_only = false, list = false;
+  bool licence = false;
   std::string weights, rig = "auto", rest = "auto", avatar;
   std::vector<std::string> files;  // inputs; without `out` an input and an output
   std::string out;                 // pattern, or kStandard
