@@ -4,6 +4,7 @@ import type { ListReply, StyleInfo } from 'styled-client';
 import type { App } from './app.js';
 import { clamp, h, setText } from './dom.js';
 import { Figures } from './figures.js';
+import { licenceText } from './licences.js';
 import type { StyleMenu } from './menu.js';
 import { Previews } from './previews.js';
 
@@ -31,7 +32,7 @@ export interface Figure {
 }
 
 const textOf = (info: StyleInfo, place: number) =>
-  JSON.stringify([info.name, info.weak, info.recognized, info.model, info.made, info.source, info.nearest, info.distance, info.varies, place < 20 ? place : 20]);
+  JSON.stringify([info.name, info.weak, info.recognized, info.model, info.made, info.source, info.nearest, info.distance, info.varies, info.licence, place < 20 ? place : 20]);
 
 // The values that change without a new card.
 const slidersOf = ({ sliders }: StyleInfo) => JSON.stringify(Object.entries(sliders).sort());
@@ -43,6 +44,8 @@ function titleOf(app: App, info: StyleInfo, key: string): string {
   if (info.model) parts.push(`network ${info.model}`);
   if (info.source) parts.push(`from ${info.source}`);
   if (info.made && info.nearest) parts.push(`nearest ${info.nearest}, distance ${info.distance.toFixed(2)}`);
+  const licence = licenceText(info);
+  if (licence) parts.push(licence);
   return parts.join(', ');
 }
 

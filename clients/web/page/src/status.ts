@@ -1,9 +1,10 @@
 // The top bar, messages, and the current problem.
-import type { Stats } from 'styled-client';
+import { CommercialUse, type Stats } from 'styled-client';
 
 import type { App } from './app.js';
 import { h, setText } from './dom.js';
 import { findings } from './findings.js';
+import { licencesDialog } from './licences.js';
 import type { Stage } from './stage.js';
 
 const MESSAGE_MS = 4000;
@@ -99,13 +100,15 @@ export function toast(app: App): HTMLElement {
 }
 
 export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
-  const state = h('span', {}), fps = h('span', { className: 'fps' }), about = h('span', { className: 'about' });
+  const state = h('span', {}), fps = h('span', { className: 'fps' }), licences = licencesDialog(app),
+    about = h('button', { className: 'quiet about', title: 'Licences: what may be used commercially', 'aria-haspopup': 'dialog', onclick: licences.show });
   const light = h('span', { className: 'state' }, h('i', {}), state);
   let known = 0n;
   const learn = async () => {
     const status = await app.client.status();
     known = status.epoch;
-    setText(about, `styled ${status.version} · ${status.weights.split('/').pop()}`);
+    const commercial = status.terms.every(({ commercialUse }) => commercialUse !== CommercialUse.NO);
+    setText(about, `styled ${status.version} · ${status.weights.split('/').pop()}${commercial ? '' : ' · not for commercial use'}`);
   };
   const undo = h('button', { className: 'quiet undo', 'aria-label': 'Undo', onclick: () => void app.undoLast() },
     h('b', {}, '↶'), h('span', {}, 'Undo'));
@@ -126,5 +129,5 @@ export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
     h('h1', {}, h('img', { src: '/icon.svg', alt: '' }), 'Styled'), light, about,
     h('span', { className: 'space' }), fps,
     h('button', { className: 'quiet keys', onclick: help, title: 'Keys (?)', 'aria-label': 'Keys', 'aria-haspopup': 'dialog' }, '?'),
-    undo, panic);
+    undo, panic, licences.element);
 }
