@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/styles/like.h"
 #include "daemon/styles/style_file.h"
 #include "daemon/styles/style_list.h"
 #include "model/base/hash.h"
@@ -42,11 +43,34 @@ std::vector<std::filesystem::path> FilesOf(RuntimeConfig& config) {
   return files;
 }
 
+// Makes the code of a style of other weights again, from the example beside its file.
+Status MakeAgain(const std::filesystem::path& file, const std::string& other_weights,
+                 RuntimeConfig& config, MadeStyle& style) {
+  const std::string made_with = file.string() + ": was made with other weights, " + other_weights;
+  const std::filesystem::path example = std::filesystem::path(file).replace_extension(kExample);
+  const auto bvh = ReadFile(example, kMaxExampleBytes);
+  if (!bvh.ok() || style.example.empty() || HashOfExample(bvh.value()) != style.example) {
+    return Status::Error(made_with + "; expected " + config.weights_hash + ", or its example " +
+                         example.filename().string() + " beside it");
+  }
+  const float all_s = style.seconds;
+  Status made = MakeCodeAgain(config, bvh.value(), example.string(), style);
+  if (!made.ok()) return Status::Error(made_with + "; " + made.message());
+  std::string line = made_with + ", and is made again from its example";
+  constexpr float kSame_s = 0.5F;  // the rate of the kept example may be lower
+  if (all_s > style.seconds + kSame_s) line += ", the last that was added to it";
+  config.complaints.push_back(
+      "style.library: " + line +
+      ". It looks a little different, more so if it was compared with a neutral clip");
+  return made;
+}
+
 // Adds the style of a file, unless the configuration already has it as it is in the file.
 Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
   const auto text = ReadFile(file, kMaxStyleFileBytes);
   if (!text.ok()) return text.status();
-  auto style = ParseStyleFile(text.value(), file, config);
+  std::string other_weights;
+  auto style = ParseStyleFile(text.value(), file, config, &other_weights);
   if (!style.ok()) return style.status();
   const std::string name = style.value().name;
   if (name != file.stem().string()) {
@@ -55,6 +79,10 @@ Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
   }
   const auto known = config.made.find(name);
   const bool same = known != config.made.end() && known->second->file_hash == HashOf(text.value());
+  if (!same && !other_weights.empty()) {
+    const Status again = MakeAgain(file, other_weights, config, style.value());
+    if (!again.ok()) return again;
+  }
   const Status refusal = same ? Status::Ok() : PutStyle(std::move(style.value()), config);
   if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.message());
   config.kept.insert(name);

@@ -18,7 +18,9 @@ namespace styled::pipeline {
 
 // Synchronizes the styles of `config` with the folder: adds new and changed ones in the order of
 // names, and retires those whose file is gone. A file that cannot be used is left out, with a line
-// in config.complaints that names it and what was expected. Start-up and reload.
+// in config.complaints that names it and what was expected. A style of other weights is made again
+// from its example, with such a line; its files stay as they are, for those weights. Start-up and
+// reload.
 void ReadLibrary(RuntimeConfig& config);
 
 // An example as the text of its NAME.bvh: poses at `rate_hz`, of the canonical humanoid in metres;

@@ -301,6 +301,31 @@ void Describe(const net::StyleSpace& space, const MadeStyle& style, v1::LikeRepl
   *reply.mutable_weak() = {findings.weak.begin(), findings.weak.end()};
 }
 
+namespace {
+
+// A style of the weights' own numbers owes what they owe; one that is measured, only the clip's
+// licence.
+void SetLicence(const RuntimeConfig& running, MadeStyle& style) {
+  const bool measured = running.network->space()->Portable(style.code) == style.code;
+  style.licence = measured ? "" : running.network->model().licence;
+}
+
+}  // namespace
+
+Status MakeCodeAgain(const RuntimeConfig& running, const std::string& bvh, const std::string& file,
+                     MadeStyle& style) {
+  v1::Like like;
+  like.set_name(style.name);
+  like.set_clip(bvh);
+  like.set_file(file);
+  if (Status status = CheckExample(like, *running.network); !status.ok()) return status;
+  std::vector<body::Pose> example;
+  std::string remark;
+  Status made = MakeCode(like, running, {}, {}, style, example, remark);
+  if (made.ok()) SetLicence(running, style);
+  return made;
+}
+
 // An example of which only a network without gaits made a style.
 void DescribeWithoutGait(float seconds, v1::LikeReply& reply) {
   constexpr float kUsual_s = 3;
@@ -333,11 +358,7 @@ Result<std::shared_ptr<RuntimeConfig>> AddStyle(const RuntimeConfig& running, v1
   if (Status status = MakeCode(like, running, take, work, style, poses, remark); !status.ok()) {
     return status;
   }
-  // A style of the weights' own numbers owes what they owe; one that is measured, only the clip's
-  // licence.
-  if (running.network->space()->Portable(style.code) != style.code) {
-    style.licence = running.network->model().licence;
-  }
+  SetLicence(running, style);
   std::shared_ptr<RuntimeConfig> made;
   if (like.measure()) {
     Measure(running, style);

@@ -22,6 +22,11 @@ Status CheckLike(const RuntimeConfig& running, const v1::Like& like);
 // Writes the description of a style of `space` for a reply.
 void Describe(const net::StyleSpace& space, const MadeStyle& style, v1::LikeReply& reply);
 
+// Finds the code of `style` anew for the running weights, from the text of its example, a BVH clip
+// (styles/library.h). Errors name `file`. Blocks as AddStyle does.
+Status MakeCodeAgain(const RuntimeConfig& running, const std::string& bvh, const std::string& file,
+                     MadeStyle& style);
+
 // Does the part of a Like that does not belong to the pipeline: reads the clip, finds the style's
 // code, and makes a configuration whose network has the style; null for Like.measure. Fills
 // `reply`. `take`: the performer's motion for

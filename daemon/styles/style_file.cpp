@@ -116,7 +116,7 @@ std::string TextOf(float number) {
 }  // namespace
 
 Result<MadeStyle> ParseStyleFile(const std::string& text, const std::string& file,
-                                 const RuntimeConfig& config) {
+                                 const RuntimeConfig& config, std::string* other_weights) {
   const auto error = [&file](const std::string& what) { return Status::Error(file + ": " + what); };
   if (text.size() > kMaxStyleFileBytes) {
     return error("found " + std::to_string(text.size()) + " bytes, expected at most " +
@@ -133,17 +133,20 @@ Result<MadeStyle> ParseStyleFile(const std::string& text, const std::string& fil
     fields.code = config.network->space()->Portable(fields.code);
     if (!fields.code.empty()) fields.weights = config.weights_hash;
   }
-  if (fields.weights != config.weights_hash) {
+  const bool foreign = fields.weights != config.weights_hash;
+  if (foreign && other_weights != nullptr && !fields.name.empty()) {
+    *other_weights = fields.weights.empty() ? "unnamed" : fields.weights;
+  } else if (foreign) {
     return error("was made with other weights, " +
                  (fields.weights.empty() ? "unnamed" : fields.weights) + "; expected " +
                  config.weights_hash);
   }
-  if (fields.name.empty() || !fields.has_code) {
+  if (fields.name.empty() || (!foreign && !fields.has_code)) {
     return error("expected \"name\", and \"code\" with numbers");
   }
   MadeStyle made;
   made.name = std::move(fields.name);
-  made.code = std::move(fields.code);
+  if (!foreign) made.code = std::move(fields.code);
   made.source = std::move(fields.source);
   made.seconds = fields.seconds;
   made.example = std::move(fields.example);

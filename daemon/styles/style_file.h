@@ -19,9 +19,11 @@ inline constexpr std::size_t kMaxStyleFileBytes = std::size_t{1} << 20U;
 
 // Reads a style of `config`'s weights. Errors begin with `file` and name what was expected: at most
 // kMaxStyleFileBytes of JSON, brackets at most 16 deep. Does not check whether the code fits the
-// network.
+// network. Of a style of other weights the part of the code that does not depend on them is taken.
+// Where there is none, it is an error; or with `other_weights`, which is then set to their hash,
+// the code is empty.
 Result<MadeStyle> ParseStyleFile(const std::string& text, const std::string& file,
-                                 const RuntimeConfig& config);
+                                 const RuntimeConfig& config, std::string* other_weights = nullptr);
 // The text of the style's file: at most twice as long as the shortest one with the same code, plus
 // 1 KiB. With the longest code of a network, some thousand numbers, that is a tenth of
 // kMaxStyleFileBytes, so that the file can be read again.

@@ -417,6 +417,7 @@ TEST(StyleLibrary, StylesSurviveARestartAndGoWithTheirFiles) {
   // daemon starts.
   std::string other = text;
   other.replace(other.find("crc32c:", other.find("\"weights\"")), 15, "crc32c:00000000");
+  other.replace(other.find("\"two\""), 5, "\"other\"");
   WriteText(library + "/other.json", other);
   WriteText(library + "/broken.json", "{");
   WriteText(library + "/renamed.json", text);
@@ -438,6 +439,47 @@ TEST(StyleLibrary, StylesSurviveARestartAndGoWithTheirFiles) {
   ASSERT_EQ(control.CounterSoon("config.reloads", 1), 1U) << daemon.Log();
   EXPECT_THAT(StylesOf(daemon),
               testing::ElementsAre("neutral", "style1", "style2", "style3", "two"));
+}
+
+// New weights, or a package that brings them, must not cost a stage its styles.
+TEST(StyleLibrary, StylesOfOtherWeightsAreMadeAgainFromTheirExamples) {
+  const TemporaryFolder folder;
+  const std::string library = folder / "styles", weights = CausalWeights(folder / "w");
+  Daemon daemon({"style.library=" + library}, "", {}, weights);
+  const v1::Reply first = ControlClient(daemon.control).Ask(LikeOf("mine"));
+  ASSERT_EQ(first.code(), v1::CODE_OK) << first.reason();
+  const std::string text = ReadText(library + "/mine.json");
+  const auto with_other_weights = [&](const std::string& name, double added_s) {
+    json file = json::parse(text);
+    file["name"] = name;
+    file["weights"] = "crc32c:00000000";
+    file["code"] = {1, 2, 3};
+    file["seconds"] = json::parse(text)["seconds"].get<double>() + added_s;
+    WriteText(library + "/" + name + ".json", file.dump());
+    std::filesystem::copy(library + "/mine.bvh", library + "/" + name + ".bvh");
+  };
+  with_other_weights("again", 0);
+  with_other_weights("sum", 5);
+  with_other_weights("changed", 0);
+  WriteText(library + "/changed.bvh", ReadText(library + "/changed.bvh") + "\n");
+  const std::string before = ReadText(library + "/again.json");
+  ASSERT_EQ(daemon.Stop(), 0);
+  daemon.Start();
+  EXPECT_THAT(StylesOf(daemon), testing::ElementsAre("neutral", "style1", "style2", "style3",
+                                                     "again", "mine", "sum"));
+  EXPECT_THAT(daemon.Log(),
+              HasSubstr("again.json: was made with other weights, crc32c:00000000, and is made "
+                        "again from its example. "));
+  EXPECT_THAT(daemon.Log(), HasSubstr("from its example, the last that was added to it."));
+  EXPECT_THAT(daemon.Log(),
+              HasSubstr("changed.json: was made with other weights, crc32c:00000000; expected "));
+  EXPECT_EQ(ReadText(library + "/again.json"), before) << "the other weights find theirs again";
+  // The same style as of the weights that are running, within the digits of a kept example.
+  ControlClient control(daemon.control);
+  const json again = json::parse(control.Ask(Export("again")).style_file().file());
+  ASSERT_EQ(again["code"].size(), static_cast<std::size_t>(first.like().code_size()));
+  EXPECT_NEAR(again["distance"].get<double>(), static_cast<double>(first.like().distance()), 0.02);
+  EXPECT_EQ(again["licence"], "CC0-1.0");
 }
 
 TEST(StyleLibrary, AFolderThatCannotBeWrittenIsSaidAndTheStyleWorks) {
