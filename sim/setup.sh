@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing on Debian 12 or 13 through apt-get, then configures and builds a preset.
+# Installs what is missing on Debian 12 or 13, or Ubuntu 24.04, through apt-get, then configures and builds a preset.
 #   sim/setup.sh run            what the daemon, the simulator and the clients need
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
@@ -11,7 +11,8 @@
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # Alternatives are separated by |, the best first; >= gives the least version that will do; a package with a ? is
-# left out where there is none: the tree's format is clang-format 16's, and tests/lint.sh reports where it is missing.
+# left out, with a line, where there is none: Ubuntu has chromium only as a snap, and no libtorch; the tree's format is
+# clang-format 16's, and tests/lint.sh reports where it is missing.
 styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev "libboost-dev>=1.81|libboost1.81-dev" libzmq3-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libsimdjson-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev
@@ -19,12 +20,12 @@ styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev "libboost-de
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
   "clang-format-16?" "clang-tidy-16?" xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd zlib1g-dev
   python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
-  mono-runtime libumockdev-dev umockdev chromium libfaketime apt-utils gnupg nats-server openssl
+  mono-runtime libumockdev-dev umockdev "chromium?" libfaketime apt-utils gnupg nats-server openssl
   linuxptp iproute2)
 styled_packages_sites=("${styled_packages_run[@]}" nats-server)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg)
 styled_packages_effects=(clang-22)  # Debian 12 has it among its security updates
-styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread libsodium-dev)
+styled_packages_train=("${styled_packages_test[@]}" "libtorch-dev?" libopenblas0-pthread libsodium-dev)
 
 styled_install() {
   local list="styled_packages_$1[@]" missing=() package
@@ -55,14 +56,16 @@ styled_install() {
   for package in "${missing[@]}"; do
     if styled_choose "${package%\?}"; then
       chosen+=("$styled_chosen")
-    elif [[ "$package" != *\? ]]; then
+    elif [[ "$package" = *\? ]]; then
+      echo "left out, there is no such package here: ${package%\?}"
+    else
       absent+=("${package//|/ or }")
     fi
   done
   if [ ${#absent[@]} -gt 0 ]; then
     local name
     name=$(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-}") || true
-    echo "${name:-this system} has no package ${absent[*]}; expected Debian 12 or 13" >&2
+    echo "${name:-this system} has no package ${absent[*]}; expected Debian 12 or 13, or Ubuntu 24.04" >&2
     return 1
   fi
   [ ${#chosen[@]} -gt 0 ] || return 0

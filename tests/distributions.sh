@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The README's two commands on a fresh Debian, in a chroot made by debootstrap: tests/distributions.sh [--demo] [SUITE...]
 #   --demo   only sim/demo.sh; tests/run.sh takes an hour
-#   SUITE    bookworm, trixie (default: both)
+#   SUITE    bookworm, trixie (default: both), or noble (Ubuntu 24.04; needs Ubuntu's keyring)
 # Needs root, debootstrap and some 10 GB below $STYLED_CHROOTS (default: a new folder in /var/tmp). The commit that is
 # checked out is built, without what is not committed. Prints the seconds of each command. Not part of CI.
 set -euo pipefail
@@ -36,7 +36,11 @@ for suite in "${suites[@]}"; do
   if [ ! -e "$chroot/etc/debian_version" ]; then
     echo "$suite: debootstrap, in $chroot"
     mkdir -p "$chroot"
-    debootstrap --variant=minbase --include=ca-certificates,git "$suite" "$chroot" >"$chroots/$suite.log" 2>&1 ||
+    of_suite=("$suite" "$chroot")
+    [ "$suite" != noble ] ||
+      of_suite=(--components=main,universe --keyring=/usr/share/keyrings/ubuntu-archive-keyring.gpg "$suite" "$chroot"
+        http://archive.ubuntu.com/ubuntu /usr/share/debootstrap/scripts/gutsy)
+    debootstrap --variant=minbase --include=ca-certificates,git "${of_suite[@]}" >"$chroots/$suite.log" 2>&1 ||
       { tail -n 5 "$chroots/$suite.log" >&2; exit 1; }
   fi
   for place in proc dev; do

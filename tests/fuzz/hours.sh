@@ -11,11 +11,13 @@ minutes=${1:-10} jobs=${2:-1}
 [ $# -gt 2 ] && targets=("${@:3}") || targets=()
 
 . "$root/sim/setup.sh"
-styled_packages_fuzz=("${styled_packages_test[@]}" clang-16 libclang-rt-16-dev)
+# The first that the system has: Debian 12 has no 19, Debian 13 no 16.
+styled_packages_fuzz=("${styled_packages_test[@]}" "clang-16|clang-19|clang-18" "libclang-rt-16-dev|libclang-rt-19-dev|libclang-rt-18-dev")
 styled_install fuzz
+clang=$(type -P clang++-16 clang++-19 clang++-18 | head -n 1)
 build=$root/build/fuzz
 mkdir -p "$build"
-cmake -S "$root" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++-16 -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+cmake -S "$root" -B "$build" -G Ninja "-DCMAKE_CXX_COMPILER=$clang" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
   -DSTYLED_UNITY=ON -DSTYLED_TESTS=ON -DSTYLED_TRAIN=OFF -DSTYLED_LIBFUZZER=ON \
   -DSTYLED_SANITIZE=address,undefined,fuzzer-no-link \
   -DCMAKE_CXX_FLAGS=-fno-sanitize-recover=undefined ${STYLED_CMAKE:-} >"$build.log" 2>&1 || {

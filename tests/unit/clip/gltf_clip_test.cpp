@@ -336,7 +336,12 @@ Parts Pack(Parts parts, bool filters) {
       accessor["normalized"] = true;
     } else if (filters && accessor["type"] == "VEC3") {
       filter = "EXPONENTIAL";
+#if MESHOPTIMIZER_VERSION >= 200  // Debian 13's; 12's shares the exponent without being asked
+      meshopt_encodeFilterExp(rows.data(), count, stride, 24, values.data(),
+                              meshopt_EncodeExpSharedVector);
+#else
       meshopt_encodeFilterExp(rows.data(), count, stride, 24, values.data());
+#endif
     } else {
       std::memcpy(rows.data(), values.data(), size);
     }

@@ -15,20 +15,20 @@ export function licenceText({ licence, commercialUse }: StyleInfo): string {
 export function licenceParts(list: ListReply): [string, string][] {
   const named = (use: CommercialUse) =>
     list.styles.filter((info) => !info.neutral && info.commercialUse === use).map(({ name }) => name).join(', ');
-  const parts: [string, string][] = [
+  const uses: [string, string][] = [
     ['For commercial use, with the credits below', named(CommercialUse.YES)],
     ['Not for commercial use', named(CommercialUse.NO)],
     ['Not known: read the licence, or that of the example', named(CommercialUse.UNSPECIFIED)],
   ];
+  const parts = uses.filter(([, names]) => names);
   for (const { file, licence, credit } of list.terms) parts.push([`${file}: ${licence || 'no licence is given'}`, credit]);
   const own = new Map<string, string[]>();
-  for (const { name, licence, credit, made } of list.styles) {
-    if (made || !licence || list.terms.some((terms) => terms.licence === licence && terms.credit === credit)) continue;
+  for (const { name, licence, credit, made, neutral } of list.styles) {
+    if (made || neutral || !licence || list.terms.some((terms) => terms.licence === licence && terms.credit === credit)) continue;
     const text = credit ? `${licence}; ${credit}` : licence;
     own.set(text, [...(own.get(text) ?? []), name]);
   }
-  for (const [text, names] of own) parts.push([names.join(', '), text]);
-  return parts.filter(([title, text]) => text || title.includes(':'));
+  return [...parts, ...[...own].map(([text, names]): [string, string] => [names.join(', '), text])];
 }
 
 export function licencesDialog(app: App): Dialog {
