@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes of what CPack has collected what Debian expects, and what licences ask for. CPack calls it before it packs.
+"""Gives the files that CPack has collected the form that Debian and licences ask for. CPack calls it before it packs.
 
     finish_packages.py BUILD MAINTAINER TREES
 
@@ -15,6 +15,7 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Debian's packages of the language itself. GCC's Runtime Library Exception, and section 5 of the LGPL 2.1 about what
@@ -39,7 +40,7 @@ def paragraphs(copyright):
 
 
 def matches(pattern, path):
-    """Whether a pattern of a Files field means a path: * and ? as Debian has them, which also stand for a slash."""
+    """Whether a pattern of a Files field means a path: * and ?, which also stand for a slash."""
     translated = ''.join({'*': '.*', '?': '.'}.get(letter, re.escape(letter)) for letter in pattern)
     return re.fullmatch(translated, path) is not None
 
@@ -52,7 +53,7 @@ def stanza_of(stanzas, path):
 
 
 def complaints(copyright, paths):
-    """What a package's copyright file leaves open about its files; []: nothing."""
+    """The errors of a package's copyright file about its files; []: none."""
     stanzas = paragraphs(copyright)
     texts = {stanza['License'].split('\n')[0] for stanza in stanzas if 'License' in stanza and 'Files' not in stanza}
     wrong = []
@@ -79,12 +80,13 @@ def copyright_for(copyright, paths):
     return '\n\n'.join(kept) + '\n'
 
 
-# What is compiled in -------------------------------------------------------------------------------------------------
+# Compiled-in libraries -------------------------------------------------------------------------------------------------
 
 def compiled_headers(build):
     """The headers outside of the tree that a build's programs include."""
     listed = subprocess.run(['ninja', '-C', build, '-t', 'deps'], capture_output=True, text=True, check=True).stdout
-    return sorted(set(re.findall(r'^ +(/usr/(?:local/)?include/\S+)', listed, re.MULTILINE)))
+    # Without links: those of Debian's alternatives are of no package.
+    return sorted({os.path.realpath(path) for path in re.findall(r'^ +(/usr/(?:local/)?include/\S+)', listed, re.MULTILINE)})
 
 
 def packages_of(paths):
@@ -153,7 +155,8 @@ def debian_changelog(changelog, package, maintainer):
         version, day = re.match(r'(\S+) \((\d{4}-\d\d-\d\d)\)\n', part).groups()
         changes = re.findall(r'^- .*(?:\n  .*)*', part, re.MULTILINE)
         date = datetime.datetime.strptime(day, '%Y-%m-%d').strftime('%a, %d %b %Y 00:00:00 +0000')
-        lines = ''.join('  * ' + change[2:].replace('\n  ', '\n    ').replace('`', '') + '\n' for change in changes)
+        lines = ''.join(textwrap.fill(' '.join(change[2:].replace('`', '').split()), 78, initial_indent='  * ',
+                                      subsequent_indent='    ', break_on_hyphens=False) + '\n' for change in changes)
         entries.append(f'{package} ({version}) unstable; urgency=medium\n\n{lines}\n -- {maintainer}  {date}\n')
     return '\n'.join(entries)
 

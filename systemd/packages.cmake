@@ -48,9 +48,9 @@ package(daemon styled video "restyles live motion capture"
 each into another style with a recurrent network before the next one arrives,
 and publishes the styled skeleton over ZeroMQ.
 .
-This package has the daemon, its systemd units, udev rules and the weights open:
-fourteen styles that may be used commercially, with credits. Styles that may not
-are in styled-weights-nc."
+This package has the daemon, its systemd units, udev rules and the weights
+open: fourteen styles that may be used commercially, with credits. Styles that
+may not are in styled-weights-nc."
   DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers"
   RECOMMENDS "styled-tools (= ${PROJECT_VERSION})"
   SUGGESTS "styled-weights-nc, styled-web, udev"

@@ -43,7 +43,7 @@ mv "$work/nc-deb/usr/share/doc/"* "$nc/share/doc"
 mv "$work/nc-deb/usr/share/styled/weights" "$nc/share/styled/weights"
 for program in "$top"/libexec/*; do install -m 755 "$root/systemd/start.sh" "$top/bin/${program##*/}"; done
 cp "$root/LICENSE" "$root/systemd/CHANGELOG.md" "$top"
-sed "s/@VERSION@/$version/g" "$root/systemd/README.tarball.md" >"$top/README.md"
+sed "s/@VERSION@/$version/g" "$root/systemd/README.tarball.in" >"$top/README.md"
 
 # The libraries, under the names by which programs ask for them, and the loader that finds them.
 for program in "$top"/libexec/*; do ldd "$program"; done >"$work/ldd"

@@ -5,7 +5,7 @@ import re
 import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
-# What names the version in passing: the file, and the words before it.
+# Documents that name the version in passing, and the words before it.
 NAMED = [('clients/js/README.md', 'styled-client-'), ('clients/python/README.md', 'styled_mocap-'),
          ('clients/web/WIRE.md', '"styleweb": "')]
 
