@@ -23,6 +23,7 @@ styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev 
   linuxptp iproute2)
 styled_packages_sites=("${styled_packages_run[@]}" nats-server)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg python3)
+styled_packages_release=("${styled_packages_package[@]}" zstd mmdebstrap umoci)
 styled_packages_package_train=("${styled_packages_package[@]}" libtorch-dev libopenblas0-pthread libsodium-dev)
 styled_packages_effects=(clang-22)  # Debian 12 has it among its security updates
 styled_packages_train=("${styled_packages_test[@]}" libtorch-dev libopenblas0-pthread libsodium-dev)
