@@ -4,8 +4,8 @@
 #   sim/setup.sh test           the same, and the tests
 #   sim/setup.sh train          the same, and libtorch for styletrain and styleeval
 # Without apt-get or root it only prints what is missing. It can also be sourced: it defines
-# styled_install LEVEL (there are two more: package, for systemd/packages.sh, and sites, for
-# sim/demo-sites.sh) and
+# styled_install LEVEL (there are more: package and package_train, for systemd/packages.sh, release, for
+# systemd/release.sh, and sites, for sim/demo-sites.sh) and
 # styled_build PRESET [CMAKE OPTIONS...], which builds $styled_targets (default: everything).
 
 styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -23,7 +23,9 @@ styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev 
   mono-runtime libumockdev-dev umockdev "chromium?" libfaketime apt-utils gnupg nats-server openssl
   linuxptp iproute2)
 styled_packages_sites=("${styled_packages_run[@]}" nats-server)
-styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg)
+styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg python3)
+styled_packages_release=("${styled_packages_package[@]}" zstd mmdebstrap umoci)
+styled_packages_package_train=("${styled_packages_package[@]}" libtorch-dev libopenblas0-pthread libsodium-dev)
 styled_packages_effects=(clang-22)  # Debian 12 has it among its security updates
 styled_packages_train=("${styled_packages_test[@]}" "libtorch-dev?" libopenblas0-pthread libsodium-dev)
 

@@ -6,51 +6,66 @@ set(CPACK_PACKAGE_NAME styled)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "${STYLED_PACKAGE_MAINTAINER}")
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
-set(CPACK_COMPONENTS_ALL daemon tools web cpp python)
+set(CPACK_COMPONENTS_ALL)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+# Debian's changelogs, copyright files and notices are made while packing (finish_packages.py).
+find_package(Python3 QUIET COMPONENTS Interpreter)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_BINARY_DIR}/finish_packages.cmake)
 configure_file(finish_packages.cmake.in finish_packages.cmake @ONLY)
 
-# package(COMPONENT NAME SECTION SUMMARY TEXT [DEPENDS..] [RECOMMENDS..]): maintainer scripts are
-# taken from systemd/debian/NAME.
+# package(COMPONENT NAME SECTION SUMMARY TEXT [DEPENDS..] [RECOMMENDS..] [SUGGESTS..] [ENHANCES..]
+# [REPLACES..] [DOCS files]): maintainer scripts are taken from systemd/debian/NAME. REPLACES: packages, at versions,
+# that had some of its files.
 function(package component name section summary text)
-  cmake_parse_arguments(ARG "" "DEPENDS;RECOMMENDS;SUGGESTS" "" ${ARGN})
+  cmake_parse_arguments(ARG "" "DEPENDS;RECOMMENDS;SUGGESTS;ENHANCES;REPLACES" "DOCS" ${ARGN})
   string(TOUPPER ${component} c)
   file(GLOB scripts CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/debian/${name}/*)
-  if(STYLED_ARCH STREQUAL x86-64-v3 AND component MATCHES "daemon|tools|web")
+  if(STYLED_ARCH STREQUAL x86-64-v3 AND component MATCHES "daemon|tools|web|train")
     list(APPEND scripts ${CMAKE_CURRENT_SOURCE_DIR}/debian/preinst)
   endif()
+  list(APPEND CPACK_COMPONENTS_ALL ${component})
+  set(CPACK_COMPONENTS_ALL ${CPACK_COMPONENTS_ALL} PARENT_SCOPE)
   set(CPACK_DEBIAN_${c}_PACKAGE_NAME ${name} PARENT_SCOPE)
   set(CPACK_DEBIAN_${c}_PACKAGE_SECTION ${section} PARENT_SCOPE)
   set(CPACK_DEBIAN_${c}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
-  set(CPACK_DEBIAN_${c}_PACKAGE_DEPENDS "${ARG_DEPENDS}" PARENT_SCOPE)
-  set(CPACK_DEBIAN_${c}_PACKAGE_RECOMMENDS "${ARG_RECOMMENDS}" PARENT_SCOPE)
-  set(CPACK_DEBIAN_${c}_PACKAGE_SUGGESTS "${ARG_SUGGESTS}" PARENT_SCOPE)
+  foreach(relation DEPENDS RECOMMENDS SUGGESTS ENHANCES REPLACES)
+    set(CPACK_DEBIAN_${c}_PACKAGE_${relation} "${ARG_${relation}}" PARENT_SCOPE)
+  endforeach()
+  set(CPACK_DEBIAN_${c}_PACKAGE_BREAKS "${ARG_REPLACES}" PARENT_SCOPE)
   set(CPACK_DEBIAN_${c}_PACKAGE_CONTROL_EXTRA "${scripts}" PARENT_SCOPE)
-  install(FILES debian/copyright DESTINATION share/doc/${name} COMPONENT ${component})
-  # In the format of Debian's changelog; compressed, like manual pages, by finish_packages.cmake.
-  string(TIMESTAMP DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)
-  set(PACKAGE ${name})
-  configure_file(debian/changelog.in ${name}.changelog @ONLY)
-  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.changelog
-    DESTINATION share/doc/${name} RENAME changelog COMPONENT ${component})
+  # The folder's name tells finish_packages.py the package; it makes the package's own file of this.
+  install(FILES debian/copyright ${ARG_DOCS} DESTINATION share/doc/${name} COMPONENT ${component})
 endfunction()
 
-package(daemon styled non-free/video "restyles live motion capture"
+set(card ${PROJECT_SOURCE_DIR}/model/weights/README.md)
+package(daemon styled video "restyles live motion capture"
 "styled takes the frames of motion capture rigs over the network or USB, puts
 each into another style with a recurrent network before the next one arrives,
 and publishes the styled skeleton over ZeroMQ.
 .
-This package has the daemon, its systemd units, udev rules and shipped weights.
-The weights are licensed CC BY-NC 4.0: not for commercial use."
+This package has the daemon, its systemd units, udev rules and the weights
+open: fourteen styles that may be used commercially, with credits. Styles that
+may not are in styled-weights-nc."
   DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers"
   RECOMMENDS "styled-tools (= ${PROJECT_VERSION})"
-  SUGGESTS "styled-web, udev")
+  SUGGESTS "styled-weights-nc, styled-web, udev"
+  DOCS ${card})
+package(weights_nc styled-weights-nc non-free/video "styles for styled, not for commercial use"
+"Weights that were trained on motions of Bandai Namco: v2, with fifteen styles,
+graph, which makes styles of examples live, and st-gcn, for recorded clips.
+.
+They are licensed CC BY-NC 4.0: not for commercial use. A monetized stream is
+counted as such."
+  ENHANCES "styled, styled-tools"
+  REPLACES "styled (<< 0.2.0)"
+  DOCS ${card})
+set(CPACK_DEBIAN_WEIGHTS_NC_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_WEIGHTS_NC_PACKAGE_SHLIBDEPS OFF)
 package(tools styled-tools video "control, monitor and simulate a styled daemon"
 "stylectl controls a styled daemon and finds out why nothing arrives, stylemon
 shows its performers in a terminal, stylerec records, plays back and exports,
@@ -75,6 +90,27 @@ package(python python3-styled python "Python client library of a styled daemon"
 "Subscribes to styled motion and controls a styled daemon, plain and with
 asyncio. python3 -m styled tail shows what is published."
   DEPENDS "python3 (>= 3.9), python3-protobuf, python3-zmq")
+# The trainer's, where libtorch was found.
+if(TARGET styletrain)
+  package(train styled-train video "train and judge styles for styled"
+"styletrain trains a network of styles on clips of motion, styleeval judges it,
+stylerefine fits a style that was made of an example, styleunseen and styleacts
+measure styles and acts that no training saw, stylestrip draws them."
+    SUGGESTS "styled-tools (= ${PROJECT_VERSION})")
+endif()
+# libstyled, where its install() rules are: components are known by the rules before this.
+get_cmake_property(components COMPONENTS)
+if(library IN_LIST components AND library_dev IN_LIST components)
+  package(library libstyled${PROJECT_VERSION_MAJOR} libs "restyles motion, as a library"
+"Puts poses of a skeleton into another style, frame by frame, in the calling
+program. Weights are not in it: styled has them.")
+  package(library_dev libstyled-dev libdevel "restyles motion, as a library: to build with"
+"Header of libstyled, a library with a C interface that puts poses of a skeleton
+into another style."
+    DEPENDS "libstyled${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_LIBRARY_DEV_PACKAGE_SHLIBDEPS OFF)
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+endif()
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_CPP_PACKAGE_SHLIBDEPS OFF)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the Debian packages: styled, styled-tools, styled-web, libstyled-client-dev, python3-styled. And
-# a signed apt repository of them in build/apt (systemd/repository.sh).
-#   systemd/packages.sh [--key ID] [--url URL] [BUILD [CMAKE OPTIONS...]]
+# Builds the Debian packages (daemon/OPERATING.md lists them), and a signed apt repository of them in build/apt
+# (systemd/repository.sh).
+#   systemd/packages.sh [--train] [--key ID] [--url URL] [BUILD [CMAKE OPTIONS...]]
+#     --train       styled-train, too: installs libtorch (0.9 GB)
 #     --key, --url  as of systemd/repository.sh
 #     BUILD         the build folder, new or existing; default build/package. The packages are written there.
 # Installs what is missing (sim/setup.sh). DEBFULLNAME and DEBEMAIL, if set, name the maintainer.
@@ -9,13 +10,15 @@ set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/sim/setup.sh"
 repository=()
+train=OFF
 while [[ "${1:-}" == --* ]]; do
   case $1 in
     --key | --url) repository+=("$1" "${2:?$1: expected a value}"); shift 2 ;;
-    *) echo "packages.sh: expected --key ID or --url URL, found $1" >&2; exit 2 ;;
+    --train) train=ON; shift ;;
+    *) echo "packages.sh: expected --train, --key ID or --url URL, found $1" >&2; exit 2 ;;
   esac
 done
-styled_install package
+if [ $train = ON ]; then styled_install package_train; else styled_install package; fi
 build=$(realpath -m "${1:-$root/build/package}")
 mkdir -p "$(dirname "$build")"
 [ $# -gt 0 ] && shift
@@ -23,8 +26,10 @@ if [ -n "${DEBEMAIL:-}" ]; then
   set -- "-DSTYLED_PACKAGE_MAINTAINER=${DEBFULLNAME:-Styled maintainers} <$DEBEMAIL>" "$@"
 fi
 cmake -S "$root" --preset release -B "$build" -DCMAKE_INSTALL_PREFIX=/usr \
-  -DSTYLED_UNITY=ON -DSTYLED_TRAIN=OFF -DSTYLED_TESTS=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
+  -DSTYLED_UNITY=ON -DSTYLED_TRAIN=$train -DSTYLED_TESTS=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
 targets=(styled stylectl stylemon stylesim stylerec stylevmc stylenats styleweb stylize styled_client styled_python styled_blender styled_man)
+[ $train = OFF ] || targets+=(styletrain styleeval styleunseen stylerefine styleacts stylestrip)
+if grep -q '^set(CPACK_COMPONENTS_ALL.*library' "$build/CPackConfig.cmake"; then targets+=(styled_library); fi
 [ -n "$(command -v npm)" ] && targets+=(styleweb_page)
 cmake --build "$build" --target "${targets[@]}"
 rm -f "$build"/*.deb

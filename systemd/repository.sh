@@ -60,39 +60,47 @@ fi
 gpg --list-secret-keys "$key" >/dev/null 2>&1 ||
   fail "--key $key: expected a secret key of ${GNUPGHOME:-$HOME/.gnupg}; gpg --list-secret-keys lists them"
 
-mkdir -p "$new/pool/main" "$new/dists/bookworm/main"
+suite=$(. /etc/os-release && echo "${VERSION_CODENAME:-bookworm}")  # of which the packages are
 # apt-ftparchive only finds NAME_VERSION_ARCHITECTURE.deb, so a package gets the name from its own
 # data.
 for deb in "$debs"/*.deb; do
   named=$(dpkg-deb --show --showformat='${Package}_${Version}_${Architecture}' "$deb" 2>/dev/null) ||
     fail "$deb: is not a package: dpkg-deb cannot read it"
-  cp "$deb" "$new/pool/main/${named//:/%3a}.deb"
+  # A client that must stay free of it leaves the component non-free out of styled.sources.
+  component=main
+  case $(dpkg-deb -f "$deb" Section) in non-free/*) component=non-free ;; esac
+  mkdir -p "$new/pool/$component"
+  cp "$deb" "$new/pool/$component/${named//:/%3a}.deb"
 done
 cd "$new"
-architectures=$(for deb in pool/main/*.deb; do dpkg-deb -f "$deb" Architecture; done | sort -u | grep -vx all || true)
+components=$(ls pool)
+architectures=$(for deb in pool/*/*.deb; do dpkg-deb -f "$deb" Architecture; done | sort -u | grep -vx all || true)
 architectures=${architectures:-$(dpkg --print-architecture)}
-for architecture in $architectures; do
-  packages=dists/bookworm/main/binary-$architecture/Packages
-  mkdir "$(dirname "$packages")"
-  apt-ftparchive --arch "$architecture" packages pool/main >"$packages"
-  gzip -9nk "$packages"
+for component in $components; do
+  for architecture in $architectures; do
+    packages=dists/$suite/$component/binary-$architecture/Packages
+    mkdir -p "$(dirname "$packages")"
+    apt-ftparchive --arch "$architecture" packages "pool/$component" >"$packages"
+    gzip -9nk "$packages"
+  done
 done
-count=$(cat dists/bookworm/main/*/Packages | sed -n 's/^Filename: //p' | sort -u | wc -l)
-[ "$count" = "$(ls pool/main | wc -l)" ] ||
-  fail "$debs: $(ls pool/main | wc -l) packages, of which $count could be listed; nothing was replaced"
+count=$(cat dists/"$suite"/*/*/Packages | sed -n 's/^Filename: //p' | sort -u | wc -l)
+all=$(find pool -name '*.deb' | wc -l)
+[ "$count" = "$all" ] ||
+  fail "$debs: $all packages, of which $count could be listed; nothing was replaced"
 # Written outside of the folder that it lists.
 release=$(apt-ftparchive -o APT::FTPArchive::Release::Origin=Styled -o APT::FTPArchive::Release::Label=Styled \
-  -o APT::FTPArchive::Release::Suite=bookworm -o APT::FTPArchive::Release::Codename=bookworm \
-  -o APT::FTPArchive::Release::Components=main \
+  -o APT::FTPArchive::Release::Suite="$suite" -o APT::FTPArchive::Release::Codename="$suite" \
+  -o "APT::FTPArchive::Release::Components=${components//$'\n'/ }" \
   -o "APT::FTPArchive::Release::Architectures=${architectures//$'\n'/ }" \
-  -o APT::FTPArchive::Release::MD5=no -o APT::FTPArchive::Release::SHA1=no release dists/bookworm)
-echo "$release" >dists/bookworm/Release
-sign() { gpg --yes --local-user "$key" --digest-algo SHA512 "$@" dists/bookworm/Release; }
-sign --clearsign --output dists/bookworm/InRelease
-sign --armor --detach-sign --output dists/bookworm/Release.gpg
+  -o APT::FTPArchive::Release::MD5=no -o APT::FTPArchive::Release::SHA1=no release "dists/$suite")
+echo "$release" >"dists/$suite/Release"
+sign() { gpg --yes --local-user "$key" --digest-algo SHA512 "$@" "dists/$suite/Release"; }
+sign --clearsign --output "dists/$suite/InRelease"
+sign --armor --detach-sign --output "dists/$suite/Release.gpg"
 gpg --armor --export "$key" >styled.asc
 {
-  printf '%s\n' 'Types: deb' "URIs: $url" 'Suites: bookworm' 'Components: main' \
+  printf '%s\n' 'Types: deb' "URIs: $url" "Suites: $suite" "Components: ${components//$'\n'/ }" \
     "Architectures: ${architectures//$'\n'/ }" 'Signed-By:'
   sed 's/^$/./;s/^/ /' styled.asc
 } >styled.sources

@@ -14,7 +14,7 @@ namespace styled::stylectl {
 Session::Session(std::ostream& out_stream, std::ostream& err_stream, std::ostream& raw_stream)
     : out(out_stream), err(err_stream), raw(raw_stream) {
   app.require_subcommand(0, 1);  // without one, Run reports it after unexpected arguments
-  app.set_version_flag("--version", "stylectl 0.1.0");
+  app.set_version_flag("--version", "stylectl " STYLED_VERSION);
   app.add_option("--endpoint", options.endpoint,
                  "the daemon's control socket; for a pair with a standby both, with a comma")
       ->envname("STYLED_CONTROL")

@@ -25,6 +25,7 @@ if ! STYLED_PROTO=$root npm run build >build.log 2>&1; then
   cat build.log >&2
   exit 1
 fi
+mv web/page/dist/packages.json web/page/packages.json  # of systemd/finish_packages.py, not of browsers
 rm -rf "$out"
 cp -r web/page/dist "$out"
 touch page.stamp

@@ -13,10 +13,11 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxBytes = 64 << 20;
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kTypes{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kTypes{{
     {".html", "text/html; charset=utf-8"},
     {".js", "text/javascript; charset=utf-8"},
     {".css", "text/css; charset=utf-8"},
+    {".txt", "text/plain; charset=utf-8"},
     {".svg", "image/svg+xml"},
     {".png", "image/png"},
     {".json", "application/json"},

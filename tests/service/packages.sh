@@ -5,6 +5,7 @@
 #     DEBS  the folder where systemd/packages.sh put them
 #     ROOT  a folder to leave the system in, packages installed (for qemu.sh); default: none is left
 #     STYLED_BASE in the environment: a folder that debootstrap made, to save its time
+#     STYLED_OLD in the environment: a folder of packages of an older version, from which the first upgrade goes out
 # apt: debootstrap lintian
 set -euo pipefail
 [ $# -ge 1 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
@@ -48,35 +49,71 @@ everything() { # and whose it is
 everything >"$work/before"
 inside getent group | sort >"$work/groups"
 
+# As it is started by hand: ports of the system's choice, and the weights given (none: the default).
+setting() { sed -n "s/.*\"$1\": \"\(.*\)\".*/\1/p" "$root/tmp/ready.json" | head -n 1; }
+runs() { # STYLE [OPTION...]
+  local style=$1 daemon i
+  shift
+  rm -f "$root/tmp/ready.json"
+  chroot "$root" /usr/bin/styled --config /etc/styled/styled.toml --set source.0.listen=127.0.0.1:0 --set source.1.listen=127.0.0.1:0 \
+    --set publish.address=tcp://127.0.0.1:0 --set control.address=tcp://127.0.0.1:0 \
+    --set state.dir=/var/lib/styled --set security.keys=/var/lib/styled/keys --set record.file=/var/lib/styled/ \
+    --ready-file /tmp/ready.json "$@" 2>"$work/styled.log" &
+  daemon=$!
+  for i in $(seq 300); do [ -s "$root/tmp/ready.json" ] && break; sleep 0.1; done
+  [ -s "$root/tmp/ready.json" ] || { cat "$work/styled.log" >&2; return 1; }
+  inside stylesim --to "udp://$(setting listen)" --seconds 2 >/dev/null
+  [ -z "$style" ] || inside stylectl --endpoint "$(setting control)" set rig.sim --style "$style" >/dev/null
+  inside stylectl --endpoint "$(setting control)" status | grep -o "rig.sim.*\(elderly\|zombie\)" | grep -o '[a-z]*$' || true
+  kill "$daemon"
+  wait "$daemon" || { cat "$work/styled.log" >&2; return 1; }
+}
+# The folder that a daemon makes which others can reach; this one is on loopback.
+allow() { quietly inside sh -c 'mkdir -p -m 700 /var/lib/styled/keys; stylectl --keys /var/lib/styled/keys allow anna -- "$(stylectl keygen /tmp/anna.key | grep -o "[^ ]\{40\}")"'; }
+
 mkdir "$root/debs"
+if [ -n "${STYLED_OLD:-}" ]; then
+  cp "$STYLED_OLD"/*.deb "$root/debs"
+  quietly inside sh -c 'dpkg -i /debs/*.deb'
+  old=$(inside dpkg-query -W -f '${Version}' styled)
+  check "$old: a frame's way, and a style" "$(runs elderly)" elderly
+  allow
+  (cd "$root/var/lib/styled" && find . -type f ! -name performers.toml -exec sha256sum {} + | sort) >"$work/kept"
+  rm "$root"/debs/*
+  cp "$debs"/styled_*.deb "$debs"/styled-tools_*.deb "$debs"/styled-web_*.deb "$root/debs"
+  quietly inside sh -c 'dpkg -i /debs/*.deb'
+  check "upgraded from $old without the weights that were in it: it is told where they are" \
+    "$(grep -c 'now in the package styled-weights-nc' "$work/log")" 1
+  check "it runs with open" "$(runs zombie --weights open)" zombie
+  rm -rf "$root/debs"
+  mkdir "$root/debs"
+  # Once more, as whoever keeps the weights does it.
+  quietly inside dpkg --remove --force-depends styled
+  cp "$STYLED_OLD"/*.deb "$root/debs"
+  quietly inside sh -c 'dpkg -i --force-downgrade /debs/*.deb'
+  check "$old again, with its style" "$(runs elderly)" elderly
+  rm "$root"/debs/*
+fi
 cp "$debs"/*.deb "$root/debs"
-quietly inside sh -c 'dpkg -i /debs/*.deb'
-check "all are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev}\n' 'styled*' '*-styled' '*styled-client*' | grep -c '^ii')" 5
+quietly inside sh -c 'apt-get -q -y --no-install-recommends install /debs/*.deb'
+if [ -n "${STYLED_OLD:-}" ]; then
+  check "upgraded from $old, styled-weights-nc has the weights" \
+    "$(inside dpkg-query -S /usr/share/styled/weights/v2.safetensors)" "styled-weights-nc: /usr/share/styled/weights/v2.safetensors"
+  check "the performer's style stayed" "$(runs '')" elderly
+  check "keys and recordings stayed" "$(cd "$root/var/lib/styled" && sha256sum --quiet -c "$work/kept" && grep -c 'keys/clients/anna.key' "$work/kept")" 1
+fi
+count=$(ls "$debs"/*.deb | wc -l)
+check "all are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev}\n' 'styled*' '*-styled' '*styled-client*' | grep -c '^ii')" "$count"
 check "the group is there" "$(inside getent group styled | cut -d: -f1)" styled
 check "nothing is enabled" "$(find "$root/etc/systemd" -name '*style*' | wc -l)" 0
 check "the weights are there" "$(cd "$root/usr/share/styled/weights" && echo *)" \
   "graph.safetensors open.safetensors st-gcn.safetensors v2.safetensors"
-check "the weights' licences are told" "$(grep '^License: CC' "$root/usr/share/doc/styled/copyright" | sort | uniq -c | tr -s ' ' | paste -sd,)" \
+check "the weights' licences are told" "$(cd "$root/usr/share/doc" && grep -h '^License: CC' styled/copyright styled-weights-nc/copyright | sort | uniq -c | tr -s ' ' | paste -sd,)" \
   " 2 License: CC-BY-4.0, 3 License: CC-BY-NC-4.0"
 check "the configuration is good" "$(inside styled --check-config /etc/styled/styled.toml)" "/etc/styled/styled.toml: ok"
 check "every program has a page" "$(cd "$root/usr/bin" && for p in style*; do [ -f "$root/usr/share/man/man1/$p.1.gz" ] || echo "$p"; done)" ""
 
-# As it is started by hand: ports of the system's choice, the shipped weights.
-setting() { sed -n "s/.*\"$1\": \"\(.*\)\".*/\1/p" "$root/tmp/ready.json" | head -n 1; }
-runs() {
-  rm -f "$root/tmp/ready.json"
-  chroot "$root" /usr/bin/styled --config /etc/styled/styled.toml --set source.0.listen=127.0.0.1:0 --set source.1.listen=127.0.0.1:0 \
-    --set publish.address=tcp://127.0.0.1:0 --set control.address=tcp://127.0.0.1:0 \
-    --set state.dir=/var/lib/styled --ready-file /tmp/ready.json 2>"$work/styled.log" &
-  local daemon=$! i
-  for i in $(seq 300); do [ -s "$root/tmp/ready.json" ] && break; sleep 0.1; done
-  inside stylesim --to "udp://$(setting listen)" --seconds 2 >/dev/null
-  inside stylectl --endpoint "$(setting control)" set rig.sim --style elderly >/dev/null
-  inside stylectl --endpoint "$(setting control)" status | grep -c 'rig.sim.*elderly' || true
-  kill "$daemon"
-  wait "$daemon" || { cat "$work/styled.log" >&2; return 1; }
-}
-check "a frame's way, and a style" "$(runs)" 1
+check "a frame's way, and a style" "$(runs elderly)" elderly
 check "Python's client is there" "$(inside python3 -c 'import styled; print(styled.__name__)')" styled
 
 # The same as the next version; a configuration that the administrator changed stays as it is.
@@ -88,17 +125,33 @@ for deb in "$debs"/*.deb; do
   rm -rf "$work/unpacked"
 done
 quietly inside sh -c 'dpkg -i /debs/*+next*.deb'
-check "upgraded" "$(inside dpkg-query -W -f '${Version}\n' 'styled*' '*-styled' '*styled-client*' | grep -c '+next$')" 5
+check "upgraded" "$(inside dpkg-query -W -f '${Version}\n' 'styled*' '*-styled' '*styled-client*' | grep -c '+next$')" "$count"
 check "the changed configuration stayed" "$(tail -n 1 "$root/etc/styled/styled.toml")" "# mine"
 check "and so did performers' settings" "$(grep -c elderly "$root/var/lib/styled/performers.toml")" 1
-check "it still runs" "$(runs)" 1
+check "it still runs, in the same style" "$(runs '')" elderly
 
-quietly inside apt-get -q -y remove 'styled*' '*-styled' '*styled-client*'
+[ -e "$root/var/lib/styled/keys/clients/anna.key" ] || allow
+remove() { quietly inside apt-get -q -y remove 'styled*' '*-styled' '*styled-client*'; }
+purge() { quietly inside sh -c 'dpkg --purge $(dpkg-query -W -f "\${Package} " "styled*" "*-styled" "*styled-client*" 2>/dev/null)'; }
+remove
 check "removed, configuration and settings stay" "$(ls "$root/etc/styled" "$root/var/lib/styled" | grep -c toml)" 2
-quietly inside sh -c 'dpkg --purge $(dpkg-query -W -f "\${Package} " "styled*" "*-styled" "*styled-client*" 2>/dev/null)'
+ls "$root/var/lib/styled" >"$work/state"
+purge
+check "purged, it says that keys and recordings are kept" "$(grep -c 'kept in /var/lib/styled;' "$work/log")" 1
+check "they are, and the settings are gone" "$(ls "$root/var/lib/styled")" "$(grep -v '^performers.toml$' "$work/state")"
+check "keys and a recording are among them" "$(ls "$root/var/lib/styled/keys/clients" | grep -c anna.key), $(find "$root/var/lib/styled" -maxdepth 1 -type f | grep -c .)" \
+  "1, $(grep -vc 'performers.toml\|keys' "$work/state")"
+check "the group is kept with them" "$(inside getent group styled | cut -d: -f1)" styled
+
+# Installed again over what was kept, and told to remove that, too.
+quietly inside sh -c 'dpkg -i $(ls /debs/*.deb | grep -v +next)'
+check "it runs with the keys that were kept" "$(runs elderly)" elderly
+touch "$root/etc/styled/purge-all"
+remove
+purge
 rm -rf "$root/debs" "$root/tmp"/*
 everything | diff "$work/before" - >"$work/left" || true
-check "purged, nothing is left" "$(cat "$work/left")" ""
+check "purged with everything, nothing is left" "$(cat "$work/left")" ""
 check "nor the group" "$(inside getent group | sort | diff "$work/groups" -)" ""
 
 if [ $# -gt 1 ]; then

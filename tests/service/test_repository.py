@@ -20,6 +20,12 @@ Description: a package of this test
 {more}"""
 
 
+def suite():
+    """The codename of this Debian, of which a repository's packages are."""
+    with open('/etc/os-release', encoding='utf-8') as about:
+        return re.search(r'^VERSION_CODENAME=(\S*)$', about.read() + '\nVERSION_CODENAME=bookworm\n', re.MULTILINE).group(1)
+
+
 def run(*command, **environment):
     return subprocess.run(command, capture_output=True, text=True, check=False,
                           env=dict(os.environ, LC_ALL='C.UTF-8', **environment))
@@ -86,7 +92,7 @@ class RepositoryTest(unittest.TestCase):
         return Apt(os.path.join(self.folder, f'system-{self.apts}'), os.path.join(self.repository, sources))
 
     def file(self, *path):
-        return os.path.join(self.repository, 'dists', 'bookworm', *path)
+        return os.path.join(self.repository, 'dists', suite(), *path)
 
     def refused(self, reason):
         done = self.apt().update()
@@ -108,9 +114,22 @@ class RepositoryTest(unittest.TestCase):
         self.assertEqual((0, ''), (done.returncode, done.stderr))
         done = apt('apt-get', 'install', '--simulate', 'styled')
         self.assertEqual(0, done.returncode, done.stderr)
-        self.assertIn('Inst styled (1.0 Styled:bookworm [amd64])', done.stdout)
-        self.assertIn('Inst styled-tools (1.0 Styled:bookworm [amd64])', done.stdout)
+        self.assertIn('Inst styled (1.0 Styled:%s [amd64])' % suite(), done.stdout)
+        self.assertIn('Inst styled-tools (1.0 Styled:%s [amd64])' % suite(), done.stdout)
         self.assertNotIn('cannot be authenticated', done.stdout + done.stderr)
+
+    def test_what_is_not_free_can_be_left_out(self):
+        make_package(self.folder, 'styled-weights-nc', '1.0', 'Section: non-free/video\n')
+        self.made()
+        apt = self.apt()
+        self.assertEqual(0, apt.update().returncode)
+        self.assertEqual(0, apt('apt-get', 'install', '--simulate', 'styled-weights-nc').returncode)
+        self.change(os.path.join(self.repository, 'styled.sources'), 'Components: main non-free', 'Components: main')
+        apt = self.apt()
+        done = apt.update()
+        self.assertEqual((0, ''), (done.returncode, done.stderr))
+        self.assertEqual(0, apt('apt-get', 'install', '--simulate', 'styled').returncode)
+        self.assertEqual(100, apt('apt-get', 'install', '--simulate', 'styled-weights-nc').returncode)
 
     def test_by_the_detached_signature_too(self):
         self.made()

@@ -103,7 +103,7 @@ Witness ReadOurs(std::span<const std::byte> datagram) {
 // future wait, is off.
 Witness ReadLiblo(std::span<const std::byte> datagram) {
   Witness witness;
-  const std::unique_ptr<void, void (*)(lo_server)> server(
+  const std::unique_ptr<std::remove_pointer_t<lo_server>, void (*)(lo_server)> server(
       lo_server_new(nullptr, [](int, const char*, const char*) {}), lo_server_free);
   lo_server_enable_queue(server.get(), 0, 1);
   lo_server_add_method(server.get(), nullptr, nullptr, OnLiblo, &witness);

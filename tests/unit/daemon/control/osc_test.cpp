@@ -15,10 +15,10 @@ using testing::HasSubstr;
 class OscTest : public testing::Test {
  protected:
   struct Free {
-    void operator()(void* message) const { lo_message_free(message); }
+    void operator()(lo_message message) const { lo_message_free(message); }
   };
   Result<v1::Request> Read(const std::string& address, const char* types = "", ...) {
-    const std::unique_ptr<void, Free> message(lo_message_new());
+    const std::unique_ptr<std::remove_pointer_t<lo_message>, Free> message(lo_message_new());
     va_list values;
     va_start(values, types);
     for (const char* type = types; *type != '\0'; ++type) {
