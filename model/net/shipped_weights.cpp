@@ -13,10 +13,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kExtension = ".safetensors";
 constexpr const char* kDefault = "v2.safetensors";
+constexpr const char* kOpen = "open.safetensors";
 
 // The places of shipped weights: in an installation, in the source tree of a build, in the system.
-std::vector<fs::path> Folders() {
-  std::vector<fs::path> folders;
+std::vector<fs::path> Folders(std::vector<fs::path> folders = {}) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
   if (!error) {
@@ -29,14 +29,15 @@ std::vector<fs::path> Folders() {
 
 }  // namespace
 
-Result<fs::path> FindWeights(const fs::path& given) {
+Result<fs::path> FindWeights(const fs::path& given, const WeightsPlaces& places) {
   fs::path wanted = given;
   if (const char* from_environment = std::getenv("STYLED_WEIGHTS");
       given.empty() && from_environment != nullptr) {
     wanted = from_environment;
   }
   std::vector<fs::path> candidates;
-  if (wanted.empty()) {
+  const bool any = wanted.empty();
+  if (any) {
     wanted = kDefault;
   } else {
     candidates.push_back(wanted);
@@ -44,7 +45,10 @@ Result<fs::path> FindWeights(const fs::path& given) {
   if (!wanted.has_parent_path()) {
     fs::path name = wanted;
     if (name.extension() != kExtension) name += kExtension;
-    for (const fs::path& folder : Folders()) candidates.push_back(folder / name);
+    for (const fs::path& folder : Folders(places.first)) {
+      candidates.push_back(folder / name);
+      if (any && places.open_will_do) candidates.push_back(folder / kOpen);
+    }
   }
   std::string looked;
   for (const fs::path& candidate : candidates) {
@@ -53,7 +57,7 @@ Result<fs::path> FindWeights(const fs::path& given) {
     looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
   }
   return Status::Error("no weights file: looked for " + looked +
-                       "; expected a .safetensors file (option --weights or STYLED_WEIGHTS)");
+                       "; expected a .safetensors file (" + places.how + ")");
 }
 
 bool IsShippedDefault(const fs::path& file) {
