@@ -171,6 +171,11 @@ styled_clip* styled_make_clip(const styled_body* body, double rate_hz, std::size
                               [&] { return Make(body, rate_hz, frames, root, rotations); });
 }
 
+styled_clip* styled_copy_clip(const styled_clip* clip) {
+  if (clip == nullptr) return nullptr;
+  return Guarded<styled_clip>(nullptr, 0, [&] { return Made(clip->clip, clip->binding); });
+}
+
 void styled_free_clip(styled_clip* clip) { delete clip; }
 
 const styled_body* styled_clip_body(const styled_clip* clip) {

@@ -141,6 +141,8 @@ STYLED_API styled_clip* styled_read_clip(const char* file, const char* const* jo
 STYLED_API styled_clip* styled_make_clip(const styled_body* body, double rate_hz, size_t frames,
                                          const float* root, const float* rotations, char* error,
                                          size_t error_size);
+/* Another clip with the same content: for one motion in several styles. NULL: no memory. */
+STYLED_API styled_clip* styled_copy_clip(const styled_clip* clip);
 STYLED_API void styled_free_clip(styled_clip* clip); /* NULL is allowed */
 
 /* The clip's skeleton, with the T-pose and the joints that were found; it lives as long as the

@@ -131,7 +131,11 @@ TEST_F(LibraryClipsTest, AClipIsRestyledAsAPerformerWhoseNeutralIsKnown) {
               STYLED_OK);
   }
   styled_destroy(performer);
+  const Clip copy{styled_copy_clip(clip.get()), styled_free_clip};
   EXPECT_EQ(Restyle(clip, "elderly"), "");
+  EXPECT_EQ(FramesOf(copy).rotations, motion.rotations);
+  EXPECT_EQ(Restyle(copy, "elderly"), "");
+  EXPECT_EQ(FramesOf(copy).rotations, FramesOf(clip).rotations);
   const Motion styled = FramesOf(clip);
   EXPECT_EQ(styled.rotations, live.rotations);
   EXPECT_EQ(styled.root, live.root);
