@@ -1,9 +1,12 @@
 """styled.library: clips and frames restyled in this process, from files and from arrays."""
 import os
+import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -129,6 +132,25 @@ class LibraryTest(unittest.TestCase):
                 (library.LibraryError, '/nowhere/out.bvh', lambda: c.write('/nowhere/out.bvh'))):
             with self.assertRaisesRegex(error, text):
                 call()
+
+    def test_blenders_add_on_restyles_in_its_process(self):
+        bpy = unittest.mock.MagicMock()
+        bpy.types = types.SimpleNamespace(Operator=object, PropertyGroup=object, Panel=object)
+        bpy.app.handlers.persistent = lambda function: function
+        with unittest.mock.patch.dict(sys.modules, {'bpy': bpy, 'bpy.props': bpy.props,
+                                                    'mathutils': unittest.mock.MagicMock()}):
+            sys.path.insert(0, os.path.join(HERE, '../../../clients/blender'))
+            from styled_live import restyle  # pylint: disable=import-outside-toplevel
+        with tempfile.TemporaryDirectory() as folder:
+            restyle._stylize('', 'elderly', 1.0, CLIP, folder + '/out.bvh')
+            turned = angles(styled.Clip.read(folder + '/out.bvh').rotations, self.clip.rotations)
+            self.assertGreater(turned.mean(), 5)
+            with self.assertRaisesRegex(restyle.Failed, "unknown style 'olf'"):
+                restyle._stylize('', 'olf', 1.0, CLIP, folder + '/out.bvh')
+            with unittest.mock.patch.object(library, 'library_version', side_effect=library.LibraryError('none')), \
+                    unittest.mock.patch.dict(os.environ, PATH='/nonexistent'), \
+                    self.assertRaisesRegex(restyle.Failed, 'none; or give the path of the program stylize'):
+                restyle._stylize('', 'elderly', 1.0, CLIP, folder + '/out.bvh')
 
     def test_styles_have_their_terms(self):
         by = styled.Network('open')
