@@ -17,6 +17,14 @@ file(COPY ${PACKAGE}/ DESTINATION ${WORK} PATTERN __pycache__ EXCLUDE)
 file(MAKE_DIRECTORY ${TO})
 if(LIBRARY)
   file(COPY_FILE ${LIBRARY} ${WORK}/styled/libstyled.so.0)
+  # Debian's other libraries are on every Linux; this one's folder is the first in which libstyled looks.
+  file(GET_RUNTIME_DEPENDENCIES LIBRARIES ${LIBRARY} RESOLVED_DEPENDENCIES_VAR needed PRE_INCLUDE_REGEXES libhwy
+       PRE_EXCLUDE_REGEXES .)
+  foreach(one ${needed})
+    get_filename_component(name ${one} NAME)
+    get_filename_component(real ${one} REALPATH)
+    file(COPY_FILE ${real} ${WORK}/styled/${name})
+  endforeach()
   file(COPY ${WEIGHTS} DESTINATION ${WORK}/styled/weights)
   # For every Python 3: ctypes loads the library, so that it needs no Python's interface.
   file(WRITE ${WORK}/setup.py "from setuptools import setup
