@@ -17,7 +17,7 @@ file(COPY ${PACKAGE}/ DESTINATION ${WORK} PATTERN __pycache__ EXCLUDE)
 file(MAKE_DIRECTORY ${TO})
 if(LIBRARY)
   file(COPY_FILE ${LIBRARY} ${WORK}/styled/libstyled.so.0)
-  # Debian's other libraries are on every Linux; this one's folder is the first in which libstyled looks.
+  # The other libraries are on every Linux; libstyled looks for libhwy beside itself first.
   file(GET_RUNTIME_DEPENDENCIES LIBRARIES ${LIBRARY} RESOLVED_DEPENDENCIES_VAR needed PRE_INCLUDE_REGEXES libhwy
        PRE_EXCLUDE_REGEXES .)
   foreach(one ${needed})

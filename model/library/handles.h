@@ -73,7 +73,7 @@ struct styled_performer {
 struct styled_clip {
   styled::clip::Clip clip;
   std::shared_ptr<const styled::rig::Binding> binding;
-  // What styled_clip_body shows of these two.
+  // The arrays of styled_clip_body, made of these two.
   std::vector<const char*> names;
   std::vector<std::int32_t> parents;
   std::vector<float> offsets, rest;

@@ -164,7 +164,7 @@ STYLED_API int styled_write_clip(const styled_clip* clip, const char* file, char
                                  size_t error_size);
 
 /* Teaches a performer their neutral from a clip in which the same person stands or walks in their
- * own way, on any skeleton. STYLED_ERROR_FAILED: nobody stands or walks in it, or the network has
+ * own way, on any skeleton. STYLED_ERROR_FAILED: no standing or walking in it, or the network has
  * no use for a neutral. */
 STYLED_API int styled_learn(styled_performer* performer, const styled_clip* clip);
 

@@ -21,7 +21,7 @@ _Style = Union[str, Mapping[str, float]]
 
 
 class LibraryError(Error):
-    """What libstyled refuses, in its own words, or that it is not here."""
+    """A refusal in the words of libstyled, or its absence."""
 
 
 class _Body(ctypes.Structure):
