@@ -11,7 +11,7 @@ namespace styled::offline {
 // A clip's frames for a stylist. A live stream does not show the motion between two distant frames;
 // a clip allows a smooth curve, so one slower than kSlowest_hz gets `steps` - 1 frames in between.
 // `clip` must outlive it; a frame may be overwritten once it and those before it have been read.
-// Allocates; one thread at a time. Pinned by tests/unit/library/library_test.cpp.
+// Allocates; one thread at a time. Pinned by tests/unit/library/clips_test.cpp.
 struct Frames {
   static constexpr double kSlowest_hz = 30;  // the networks' own rate
 
