@@ -20,7 +20,8 @@ styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev "libboost-de
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
   "clang-format-16?" "clang-tidy-16?" xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd zlib1g-dev
   python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
-  mono-runtime libumockdev-dev umockdev "chromium?" libfaketime apt-utils gnupg nats-server openssl
+  "python3-nbclient?" "python3-ipykernel?" "python3-matplotlib?" mono-runtime libumockdev-dev umockdev "chromium?"
+  libfaketime apt-utils gnupg nats-server openssl
   linuxptp iproute2)
 styled_packages_sites=("${styled_packages_run[@]}" nats-server)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg python3)

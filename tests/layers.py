@@ -27,6 +27,7 @@ ROWS = {
     "model/clip": STAGES,
     "model/feet": STAGES,
     "model/devices": STAGES + " model/feet",
+    "model/offline": STAGES + " model/clip model/gait model/neutral",
     "model/net": STAGES + " model/gait model/neutral model/net",
     "model/net/kernels": "model/base",
     "model/stylist": STAGES + " model/feet model/gait model/neutral model/net",
@@ -38,7 +39,7 @@ ROWS = {
     "model/train/baselines": STAGES + " model/clip model/net model/train",
     "model/train/judge": STAGES + " model/clip model/feet model/gait model/neutral model/net model/stylist model/trial model/train",
     "model/tools": "model",
-    "model/library": STAGES + " model/net model/stylist model/trial",
+    "model/library": STAGES + " model/clip model/neutral model/offline model/net model/stylist model/trial",
     # Bytes that cross a process border.
     "proto/ipc": "model/base",
     "proto/keys": "model/base",

@@ -17,7 +17,7 @@ static const float offsets[JOINTS][3] = {
 int main(int argc, char** argv) {
   char error[256];
   styled_network* network = styled_load(NULL, NULL, error, sizeof error);
-  const styled_body body = {sizeof body, JOINTS, names, parents, &offsets[0][0], NULL, NULL};
+  const styled_body body = {sizeof body, JOINTS, names, parents, &offsets[0][0], NULL, NULL, NULL};
   styled_performer* performer = network ? styled_create(network, &body, error, sizeof error) : NULL;
   if (!performer) return fprintf(stderr, "%s\n", error), 1;
   const int32_t style = styled_find_style(network, argc > 1 ? argv[1] : "zombie");

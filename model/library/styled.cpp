@@ -1,97 +1,106 @@
 #include "model/library/styled.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
-#include <exception>
-#include <functional>
-#include <memory>
+#include <filesystem>
 #include <new>
-#include <optional>
-#include <span>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include "model/base/checkpoint.h"
 #include "model/base/flush_subnormals.h"
 #include "model/base/hash.h"
 #include "model/base/read_file.h"
+#include "model/library/handles.h"
 #include "model/net/shipped_weights.h"
-#include "model/rig/bind_body.h"
-#include "model/stylist/stylist.h"
 #include "model/trial/trial.h"
 
 using styled::Checkpoint;
 using styled::FlushSubnormals;
 using styled::Result;
 using styled::Status;
+using styled::library::Guarded;
+using styled::library::ReadBody;
 
-namespace {
-constexpr std::uint64_t kStateVersion = 1;  // of styled_save
+namespace styled::library {
+
+Result<rig::JointNames> ReadJoints(const char* const* joints) {
+  std::vector<std::string> texts;
+  for (; joints != nullptr && *joints != nullptr; ++joints) texts.emplace_back(*joints);
+  return rig::ParseJoints("joints", texts);
 }
 
-struct styled_network {
-  std::shared_ptr<const styled::net::Stylizer> stylizer;
-  std::uint64_t hash;  // of the file and the precision
-  const styled::net::Styles& styles() const { return stylizer->model().styles; }
-  const styled::net::StyleInfo* Find(int style) const {
-    const bool known = style >= 0 && static_cast<std::size_t>(style) < styles().size();
-    return known ? &styles()[static_cast<std::size_t>(style)] : nullptr;
+Result<Described> ReadBody(const styled_body* given) {
+  if (given == nullptr) return Status::Error("body: found NULL, expected a styled_body");
+  // That of version 0.1.0 ended before `joints`.
+  constexpr std::size_t kFirst = offsetof(styled_body, joints);
+  if (given->size != kFirst && given->size != sizeof(styled_body)) {
+    return Status::Error("body: found size " + std::to_string(given->size) + ", expected " +
+                         std::to_string(sizeof(styled_body)));
   }
-};
+  styled_body body{};
+  std::memcpy(&body, given, given->size);
+  if (body.joint_count < 1 || body.joint_count > rig::kMaxSourceJoints) {
+    return Status::Error("body: found " + std::to_string(body.joint_count) +
+                         " joints, expected 1 to " + std::to_string(rig::kMaxSourceJoints));
+  }
+  if (body.names == nullptr || body.parents == nullptr || body.offsets == nullptr) {
+    return Status::Error("body: found NULL, expected names, parents and offsets");
+  }
+  Described read;
+  for (int j = 0; j < body.joint_count; ++j) {
+    if (body.names[j] == nullptr) {
+      return Status::Error("body: joint " + std::to_string(j) + ": found NULL, expected a name");
+    }
+    read.body.skeleton.names.emplace_back(body.names[j]);
+    read.body.skeleton.parents.push_back(body.parents[j]);
+    const float* const offset = body.offsets + std::ptrdiff_t{3} * j;
+    read.body.skeleton.offsets.emplace_back(offset[0], offset[1], offset[2]);
+    if (body.rest == nullptr) continue;
+    const float* const rest = body.rest + std::ptrdiff_t{4} * j;
+    read.body.rest.emplace_back(rest[3], rest[0], rest[1], rest[2]);
+  }
+  if (body.dialect != nullptr && *body.dialect != '\0') read.body.dialect = body.dialect;
+  auto joints = ReadJoints(body.joints);
+  if (!joints.ok()) return joints.status();
+  read.joints = std::move(joints.value());
+  return read;
+}
 
-struct styled_performer {
-  std::shared_ptr<const styled::net::Stylizer> network;
-  std::shared_ptr<const styled::rig::Binding> binding;
-  std::optional<styled::stylist::Stylist> stylist;
-  styled::rig::RigPose in;
-  styled::stylist::Output out;
-  std::uint64_t identity;  // of the weights, their precision and the skeleton
-  std::int64_t last_ns = 0;
-  bool started = false;
+std::optional<stylist::Settings> ReadMix(const net::Stylizer& network, const std::int32_t* styles,
+                                         const float* weights, int count, float transition_s) {
+  if (count < 0 || count > net::kMaxMix) return std::nullopt;
+  if (count > 0 && (styles == nullptr || weights == nullptr)) return std::nullopt;
+  const auto known = static_cast<int>(network.model().styles.size());
+  stylist::Settings settings;
+  for (int i = 0; i < count; ++i) {
+    if (styles[i] < 0 || styles[i] >= known) return std::nullopt;
+    settings.mix[static_cast<std::size_t>(i)] = {styles[i], weights[i]};
+  }
+  settings.transition_s = transition_s;
+  if (stylist::Validate(settings, known) != stylist::SettingsError::kNone) return std::nullopt;
+  return settings;
+}
 
-  styled_performer(std::shared_ptr<const styled::net::Stylizer> the_network,
-                   std::shared_ptr<const styled::rig::Binding> the_binding,
-                   std::uint64_t the_identity)
-      : network(std::move(the_network)),
-        binding(std::move(the_binding)),
-        in(binding->skeleton()),
-        out(binding->skeleton()),
-        identity(the_identity) {
-    Restart();
-  }
-  void Restart() {
-    styled::stylist::Stylist fresh(network, binding, styled::stylist::Options{});  // may throw
-    stylist = std::move(fresh);
-    started = false;
-  }
-  void Carry(Checkpoint& c) noexcept {
-    c.Same(kStateVersion);
-    c.Same(identity);
-    stylist->Carry(c);
-    c.Time(last_ns);
-    c(started);
-  }
-};
+}  // namespace styled::library
 
 namespace {
 
-void Explain(const std::string& what, char* error, std::size_t size) {
-  if (error == nullptr || size == 0) return;
-  const std::size_t length = std::min(what.size(), size - 1);
-  std::memcpy(error, what.data(), length);
-  error[length] = '\0';
-}
-
-// No exception leaves the library: what is left are failed allocations.
-template <typename Made>
-Made* Guarded(char* error, std::size_t size, const std::function<Result<Made*>()>& make) noexcept {
-  try {
-    auto made = make();
-    if (made.ok()) return made.value();
-    Explain(made.status().message(), error, size);
-  } catch (const std::exception& failure) {
-    Explain(failure.what(), error, size);
-  }
-  return nullptr;
+// The folders of weights that belong to this very file: in a Python package, in an installation
+// (lib/TRIPLET or lib), in a build tree.
+std::vector<std::filesystem::path> FoldersBeside() {
+  static const char here = 0;
+  Dl_info info{};
+  std::error_code error;
+  if (dladdr(&here, &info) == 0 || info.dli_fname == nullptr) return {};
+  const auto folder = std::filesystem::canonical(info.dli_fname, error).parent_path();
+  if (error) return {};
+  return {folder / "weights", folder / "../share/styled/weights",
+          folder / "../../share/styled/weights", folder / "../../../../model/weights"};
 }
 
 Result<styled_network*> Load(const char* weights, const std::string& precision) {
@@ -99,7 +108,9 @@ Result<styled_network*> Load(const char* weights, const std::string& precision) 
   if (std::ranges::find(known, precision) == known.end()) {
     return Status::Error("precision: found \"" + precision + "\", expected int8 or float32");
   }
-  const auto file = styled::net::FindWeights(weights == nullptr ? "" : weights);
+  const auto file = styled::net::FindWeights(
+      weights == nullptr ? "" : weights,
+      {FoldersBeside(), "the first argument of styled_load, or STYLED_WEIGHTS"});
   if (!file.ok()) return file.status();
   auto network = styled::trial::Load(file.value(), styled::net::PrecisionNamed(precision));
   if (!network.ok()) return network.status();
@@ -126,35 +137,10 @@ std::uint64_t Identity(std::uint64_t network, const styled::rig::BindingSpec& sp
 }
 
 Result<styled_performer*> Create(const styled_network* network, const styled_body* body) {
-  if (network == nullptr || body == nullptr) {
-    return Status::Error("found NULL, expected a network and a body");
-  }
-  if (body->size != sizeof(styled_body)) {
-    return Status::Error("body: found size " + std::to_string(body->size) + ", expected " +
-                         std::to_string(sizeof(styled_body)));
-  }
-  if (body->joint_count < 1 || body->joint_count > styled::rig::kMaxSourceJoints) {
-    return Status::Error("body: found " + std::to_string(body->joint_count) +
-                         " joints, expected 1 to " + std::to_string(styled::rig::kMaxSourceJoints));
-  }
-  if (body->names == nullptr || body->parents == nullptr || body->offsets == nullptr) {
-    return Status::Error("body: found NULL, expected names, parents and offsets");
-  }
-  styled::rig::RigBody read;
-  for (int j = 0; j < body->joint_count; ++j) {
-    if (body->names[j] == nullptr) {
-      return Status::Error("body: joint " + std::to_string(j) + ": found NULL, expected a name");
-    }
-    read.skeleton.names.emplace_back(body->names[j]);
-    read.skeleton.parents.push_back(body->parents[j]);
-    const float* const offset = body->offsets + std::ptrdiff_t{3} * j;
-    read.skeleton.offsets.emplace_back(offset[0], offset[1], offset[2]);
-    if (body->rest == nullptr) continue;
-    const float* const rest = body->rest + std::ptrdiff_t{4} * j;
-    read.rest.emplace_back(rest[3], rest[0], rest[1], rest[2]);
-  }
-  if (body->dialect != nullptr && *body->dialect != '\0') read.dialect = body->dialect;
-  auto bound = styled::rig::BindBody(read);
+  if (network == nullptr) return Status::Error("network: found NULL, expected a loaded one");
+  auto read = ReadBody(body);
+  if (!read.ok()) return read.status();
+  auto bound = styled::rig::BindBody(read.value().body, read.value().joints);
   if (!bound.ok()) return bound.status();
   return new styled_performer(network->stylizer, bound.value().binding,
                               Identity(network->hash, bound.value().binding->spec()));
@@ -208,23 +194,11 @@ void styled_destroy(styled_performer* performer) { delete performer; }
 
 int styled_set(styled_performer* performer, const std::int32_t* styles, const float* weights,
                int count, float transition_s) {
-  if (performer == nullptr || count < 0 || count > styled::net::kMaxMix) {
-    return STYLED_ERROR_ARGUMENT;
-  }
-  if (count > 0 && (styles == nullptr || weights == nullptr)) return STYLED_ERROR_ARGUMENT;
-  styled::stylist::Settings settings;
-  for (int i = 0; i < count; ++i) {
-    settings.mix[static_cast<std::size_t>(i)] = {styles[i], weights[i]};
-  }
-  settings.transition_s = transition_s;
-  const auto known = static_cast<int>(performer->network->model().styles.size());
-  for (int i = 0; i < count; ++i) {
-    if (styles[i] < 0 || styles[i] >= known) return STYLED_ERROR_ARGUMENT;
-  }
-  if (styled::stylist::Validate(settings, known) != styled::stylist::SettingsError::kNone) {
-    return STYLED_ERROR_ARGUMENT;
-  }
-  performer->stylist->Set(settings);
+  if (performer == nullptr) return STYLED_ERROR_ARGUMENT;
+  const auto settings =
+      styled::library::ReadMix(*performer->network, styles, weights, count, transition_s);
+  if (!settings) return STYLED_ERROR_ARGUMENT;
+  performer->stylist->Set(*settings);
   return STYLED_OK;
 }
 
@@ -259,6 +233,18 @@ int styled_reset(styled_performer* performer) {
   if (performer == nullptr) return STYLED_ERROR_ARGUMENT;
   performer->stylist->Reset();
   performer->started = false;
+  return STYLED_OK;
+}
+
+int styled_calibrate(styled_performer* performer, float seconds) {
+  if (performer == nullptr || !(seconds == 0 || (seconds >= 1 && seconds <= 60))) {
+    return STYLED_ERROR_ARGUMENT;
+  }
+  if (seconds > 0) {
+    performer->stylist->CalibrateNeutral(seconds);
+  } else {
+    performer->stylist->ForgetNeutral();
+  }
   return STYLED_OK;
 }
 

@@ -37,10 +37,11 @@ typedef struct styled_performer styled_performer;
 STYLED_API const char* styled_version(void);
 
 /* Reads a weights file and tries it on a built-in performer; some 0.2 s. `weights`: a path, or the
- * name of a shipped file ("v2", "open"); NULL: $STYLED_WEIGHTS, else the
- * shipped default. Shipped files are searched beside the program and in /usr/share/styled/weights.
- * `precision`: "int8", "float32"; NULL: "int8", as the daemon. Returns NULL on failure, with a
- * sentence in `error` (may be NULL).
+ * name of a shipped file ("v2", "open"); NULL: $STYLED_WEIGHTS, else v2 or, where that is not
+ * installed, open. Shipped files are searched in the folder `weights` beside the library's own
+ * file, in the installation to which that belongs, beside the program, in
+ * /usr/share/styled/weights. `precision`: "int8", "float32"; NULL: "int8", as the daemon. Returns
+ * NULL on failure, with a sentence in `error` (may be NULL).
  */
 STYLED_API styled_network* styled_load(const char* weights, const char* precision, char* error,
                                        size_t error_size);
@@ -66,6 +67,9 @@ typedef struct styled_body {
   const float* offsets;     /* [joint_count][3], from the parent, in the parent's axes */
   const float* rest;        /* [joint_count][4], world rotations in the T-pose; NULL: by dialect */
   const char* dialect;      /* "cmu", "rokoko", ...; NULL: found by the names */
+  /* Joints by hand, where tree and names do not tell: "leftUpperArm=LArm", ..., then NULL; the
+   * names on the left are those of the VRM humanoid. NULL: none. */
+  const char* const* joints;
 } styled_body;
 
 /* A new performer with this skeleton, who moves in their own style. Joints are found by the
@@ -80,7 +84,8 @@ enum {
   STYLED_OK = 0,
   STYLED_ERROR_ARGUMENT = -1, /* a number out of range, or a NULL */
   STYLED_ERROR_TIME = -2,     /* not after the last frame's; the frame is left out */
-  STYLED_ERROR_STATE = -3     /* the bytes are of another network, skeleton or version */
+  STYLED_ERROR_STATE = -3,    /* the bytes are of another network, skeleton or version */
+  STYLED_ERROR_FAILED = -4    /* as the function says; a sentence is in its `error` */
 };
 
 /* From the next frame on: a mix of `count` different styles but neutral, 0 .. 4, each with a weight
@@ -109,11 +114,59 @@ STYLED_API int styled_frame(styled_performer* performer, int64_t time_ns, const 
  * performer's neutral motion. The next frame's time may be anything. */
 STYLED_API int styled_reset(styled_performer* performer);
 
+/* The performer's neutral, how they stand and walk without a style, is learned while they move. It
+ * is known sooner and better after a calibration: for `seconds`, 1 to 60, from now on they stand
+ * and then walk in their own way. 0: what was learned is forgotten. */
+STYLED_API int styled_calibrate(styled_performer* performer, float seconds);
+
 /* A performer's whole state. Another performer of the same network and skeleton continues from it
  * bit for bit. styled_save returns how many bytes the state has, and writes them if `size` is at
  * least that. After STYLED_ERROR_STATE the performer is as new. These two may allocate. */
 STYLED_API size_t styled_save(styled_performer* performer, void* bytes, size_t size);
 STYLED_API int styled_restore(styled_performer* performer, const void* bytes, size_t size);
+
+/* Whole clips: recorded motion of one skeleton at a constant rate. They are restyled as the program
+ * `stylize` does: the performer's neutral is learned from the whole clip first, the style is there
+ * from the first frame on, and clips below 30 Hz get frames in between meanwhile. A clip is used
+ * by one thread at a time; different clips by any. These functions allocate. */
+typedef struct styled_clip styled_clip;
+
+/* Reads a BVH file of any skeleton, and finds its T-pose from its names, zero pose or frames.
+ * `joints`: as in styled_body. NULL on failure, with a sentence that names the file and its line.
+ */
+STYLED_API styled_clip* styled_read_clip(const char* file, const char* const* joints, char* error,
+                                         size_t error_size);
+/* Makes a clip: `root` [frames][3], `rotations` [frames][joint_count][4], as in styled_frame,
+ * finite, of unit length; 1 to 1,000 Hz. Without `rest` the T-pose is found as that of a file. */
+STYLED_API styled_clip* styled_make_clip(const styled_body* body, double rate_hz, size_t frames,
+                                         const float* root, const float* rotations, char* error,
+                                         size_t error_size);
+/* Another clip with the same content: for one motion in several styles. NULL: no memory. */
+STYLED_API styled_clip* styled_copy_clip(const styled_clip* clip);
+STYLED_API void styled_free_clip(styled_clip* clip); /* NULL is allowed */
+
+/* The clip's skeleton, with the T-pose and the joints that were found; it lives as long as the
+ * clip. A performer can be created with it. */
+STYLED_API const styled_body* styled_clip_body(const styled_clip* clip);
+/* How many frames it has; `rate_hz` may be NULL. */
+STYLED_API size_t styled_clip_length(const styled_clip* clip, double* rate_hz);
+/* Copies all frames to `root` [frames][3] and `rotations` [frames][joint_count][4]. */
+STYLED_API int styled_clip_frames(const styled_clip* clip, float* root, float* rotations);
+
+/* Restyles the clip in place; styles and weights as in styled_set. Returns in how many frames no
+ * sound styled pose was found, so that they are the performer's own (0 is usual), or, with the clip
+ * unchanged, STYLED_ERROR_FAILED. */
+STYLED_API int styled_restyle(const styled_network* network, styled_clip* clip,
+                              const int32_t* styles, const float* weights, int count, char* error,
+                              size_t error_size);
+/* Writes a BVH file; one that is there is replaced. STYLED_ERROR_FAILED: it cannot be written. */
+STYLED_API int styled_write_clip(const styled_clip* clip, const char* file, char* error,
+                                 size_t error_size);
+
+/* Teaches a performer their neutral from a clip in which the same person stands or walks in their
+ * own way, on any skeleton. STYLED_ERROR_FAILED: no standing or walking in it, or the network has
+ * no use for a neutral. */
+STYLED_API int styled_learn(styled_performer* performer, const styled_clip* clip);
 
 #ifdef __cplusplus
 }

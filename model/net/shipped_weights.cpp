@@ -18,8 +18,7 @@ constexpr const char* kExtension = ".safetensors";
 constexpr std::array kDefaults{"v2.safetensors", "open.safetensors"};
 
 // The places of shipped weights: in an installation, in the source tree of a build, in the system.
-std::vector<fs::path> Folders() {
-  std::vector<fs::path> folders;
+std::vector<fs::path> Folders(std::vector<fs::path> folders = {}) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
   if (!error) {
@@ -32,7 +31,7 @@ std::vector<fs::path> Folders() {
 
 }  // namespace
 
-Result<fs::path> FindWeights(const fs::path& given) {
+Result<fs::path> FindWeights(const fs::path& given, const WeightsPlaces& places) {
   fs::path wanted = given;
   if (const char* from_environment = std::getenv("STYLED_WEIGHTS");
       given.empty() && from_environment != nullptr) {
@@ -40,7 +39,7 @@ Result<fs::path> FindWeights(const fs::path& given) {
   }
   std::vector<fs::path> candidates;
   if (wanted.empty()) {
-    for (const fs::path& folder : Folders()) {
+    for (const fs::path& folder : Folders(places.first)) {
       for (const char* name : kDefaults) candidates.push_back(folder / name);
     }
   } else {
@@ -49,7 +48,7 @@ Result<fs::path> FindWeights(const fs::path& given) {
   if (!wanted.empty() && !wanted.has_parent_path()) {
     fs::path name = wanted;
     if (name.extension() != kExtension) name += kExtension;
-    for (const fs::path& folder : Folders()) candidates.push_back(folder / name);
+    for (const fs::path& folder : Folders(places.first)) candidates.push_back(folder / name);
   }
   std::string looked;
   for (const fs::path& candidate : candidates) {
@@ -58,7 +57,7 @@ Result<fs::path> FindWeights(const fs::path& given) {
     looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
   }
   return Status::Error("no weights file: looked for " + looked +
-                       "; expected a .safetensors file (option --weights or STYLED_WEIGHTS)");
+                       "; expected a .safetensors file (" + places.how + ")");
 }
 
 bool IsShippedDefault(const fs::path& file) {

@@ -295,8 +295,8 @@ Result<Binding> BindMapped(const Skeleton& skeleton, std::string_view dialect, s
   if (!candidate.judged.fault.empty()) {
     return Status::Error("rig: dialect " + std::string(dialect) +
                          ": found a rest pose that is not a T-pose (" + candidate.judged.fault +
-                         "), expected one within 25 degrees; give the rest rotations in the "
-                         "config, or name another dialect of " +
+                         "), expected one within 25 degrees; give the rest rotations, or "
+                         "name another dialect of " +
                          KnownDialects());
   }
   // A known name with another rest pose is reported under the dialect that was used.

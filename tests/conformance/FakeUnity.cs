@@ -1,4 +1,4 @@
-// As much of UnityEngine as the sample LivePerformer uses, with the same mathematics (left-handed axes):
+// As much of UnityEngine as the samples use, with the same mathematics (left-handed axes):
 // Unity itself is not here.
 using System;
 using System.Collections.Generic;
@@ -57,6 +57,10 @@ public class Component {
   public Transform transform = new Transform();
   public static readonly Dictionary<Type, object> Others = new Dictionary<Type, object>();
   public T GetComponent<T>() { return (T)Others[typeof(T)]; }
+}
+
+public static class Time {
+  public static double timeAsDouble;
 }
 
 public class MonoBehaviour : Component {

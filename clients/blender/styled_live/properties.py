@@ -44,8 +44,9 @@ class StyledLiveConnection(bpy.types.PropertyGroup):
                                  description='For Restyle Action: a name from `stylize --list`')
     action_strength: FloatProperty(name='Strength', default=1, min=0, max=1.5, soft_max=1,
                                    description='For Restyle Action')
-    stylize: StringProperty(name='Program', default='stylize', subtype='FILE_PATH',
-                            description='For Restyle Action: stylize, with its path unless it is installed')
+    stylize: StringProperty(name='Program', subtype='FILE_PATH',
+                            description='For Restyle Action: the path of stylize; empty: libstyled, or stylize '
+                                        'if that is installed')
 
 
 class StyledLiveDriven(bpy.types.PropertyGroup):

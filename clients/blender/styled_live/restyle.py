@@ -1,12 +1,15 @@
-"""Restyles an armature's action with the program `stylize`: the poses are exported as BVH and
+"""Restyles an armature's action by libstyled or the program `stylize`, without a daemon: the poses are exported as BVH and
 imported as keyframes of a new action, on the same bones."""
 
 import os
+import shutil
 import subprocess
 import tempfile
 
 import bpy
+import styled
 from mathutils import Quaternion, Vector
+from styled import library
 from styled.v1 import body_pb2, frame_pb2
 
 from . import bvh, skeleton
@@ -105,7 +108,21 @@ def _range(action):
     return start, end
 
 
+# Without a program by libstyled in this process, else by stylize where it is installed.
 def _stylize(program, style, strength, before, after) -> None:
+    if not program:
+        try:
+            library.library_version()
+        except styled.LibraryError as error:
+            if shutil.which('stylize') is None:
+                raise Failed(f'{error}; or give the path of the program stylize') from error
+            program = 'stylize'
+        else:
+            try:
+                styled.restyle(before, {style: strength}).write(after)
+            except (styled.LibraryError, ValueError) as error:
+                raise Failed(str(error)) from error
+            return
     command = [program, '--style', style, '--strength', f'{strength:g}', before, after]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S)

@@ -6,7 +6,10 @@
         for update in subscriber.frames():
             x, y, z = update.world()['head'].position
 
-styled.aio has the same for asyncio. The messages themselves are in styled.v1 (frame_pb2, body_pb2,
+Without a daemon, in this process (styled.library):
+    styled.restyle('walk.bvh', 'elderly').write('elderly.bvh')
+
+styled.aio has the same as the first for asyncio. The messages themselves are in styled.v1 (frame_pb2, body_pb2,
 control_pb2, look_pb2, stats_pb2), as proto/styled/v1 documents them.
 """
 
@@ -30,12 +33,14 @@ from styled.errors import (AbsentOutput, AbsentPerformer, Error, Garbled, NoAnsw
                            Refused, Unseen)
 from styled.inbox import Counters, Kind, Stream, Update, is_performer_id
 from styled.kinematics import Transform, World, world_arrays, world_transforms
+from styled.library import Clip, LibraryError, Network, Performer, restyle
 from styled.subscriber import DEFAULT_PUBLISHER, Subscriber
 from styled.unseen import Applied
 
 RIG, CANONICAL, SOURCE = Stream.RIG, Stream.CANONICAL, Stream.SOURCE
 
 __all__ = ['CANONICAL', 'DEFAULT_CONTROL', 'DEFAULT_PUBLISHER', 'EVERYONE', 'RIG', 'SOURCE',
-           'AbsentOutput', 'AbsentPerformer', 'Applied', 'Control', 'Counters', 'Curve', 'Error',
-           'Garbled', 'Kind', 'NoAnswer', 'NoStrength', 'Refused', 'Stream', 'Subscriber', 'Transform',
-           'Unseen', 'Update', 'World', 'is_performer_id', 'world_arrays', 'world_transforms']
+           'AbsentOutput', 'AbsentPerformer', 'Applied', 'Clip', 'Control', 'Counters', 'Curve',
+           'Error', 'Garbled', 'Kind', 'LibraryError', 'Network', 'NoAnswer', 'NoStrength',
+           'Performer', 'Refused', 'Stream', 'Subscriber', 'Transform', 'Unseen', 'Update', 'World',
+           'is_performer_id', 'restyle', 'world_arrays', 'world_transforms']

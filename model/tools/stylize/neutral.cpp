@@ -1,20 +1,9 @@
 // The argument --neutral of stylize: the source of the performer's own carriage.
 #include "model/clip/bind_clip.h"
+#include "model/offline/learn_neutral.h"
 #include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
-
-neutral::Known LearnNeutral(const clip::Clip& clip, const rig::Binding& binding,
-                            const neutral::Reference& reference) {
-  neutral::Neutral neutral;
-  body::Pose pose;
-  const auto dt_s = static_cast<float>(1 / clip.rate_hz);
-  for (std::size_t i = 0; i < clip.frames.size(); ++i) {
-    binding.Bind(clip.frames[i], pose);
-    neutral.Follow(pose, i == 0 ? 0 : dt_s, true, reference);
-  }
-  return neutral.Tell(reference);
-}
 
 Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
                                                   const rig::JointNames& joints,
@@ -38,7 +27,7 @@ Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
       clip::BindClip(clip.value(), {arguments.rig, clip::ParseRestPose(arguments.rest).value(),
                                     joints, clip::ParseUp(arguments.up).value()});
   if (!bound.ok()) return Status::Error("--neutral: " + file + ": " + bound.status().message());
-  Learned learned = LearnNeutral(clip.value(), bound.value().binding, *model.reference);
+  Learned learned = offline::LearnNeutral(clip.value(), bound.value().binding, *model.reference);
   if (learned->body_s > 0) return learned;
   return Status::Error("--neutral " + file +
                        ": found no standing or walking; expected some seconds of it, in the "

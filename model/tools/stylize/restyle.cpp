@@ -12,6 +12,8 @@
 #include "model/body/pose.h"
 #include "model/feet/tuning.h"
 #include "model/net/shipped_weights.h"
+#include "model/offline/frames.h"
+#include "model/offline/learn_neutral.h"
 #include "model/stylist/avatar.h"
 #include "model/stylist/clip_stylist.h"
 #include "model/stylist/stylist.h"
@@ -20,8 +22,6 @@
 
 namespace styled::stylize {
 namespace {
-
-constexpr double kSlowest_hz = 30;  // slower clips get frames in between; the network's own rate
 
 // Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
 // another.
@@ -100,30 +100,6 @@ class Wardrobe {
 
  private:
   std::optional<stylist::Avatar> worn_;
-};
-
-// A clip's frames for styling. A live stream does not show the motion between two distant frames; a
-// clip allows a smooth curve, so a slow one has `steps` - 1 frames in between.
-struct Frames {
-  explicit Frames(const clip::Clip& the_clip)
-      : clip(the_clip),
-        steps(static_cast<std::size_t>(std::ceil(kSlowest_hz / clip.rate_hz - 1e-6))),
-        rate_hz(clip.rate_hz * static_cast<double>(steps)),
-        count((clip.frames.size() - 1) * steps + 1),
-        between(steps > 1 ? clip::Resample(clip, rate_hz) : clip::Clip()) {}
-  bool Given(std::size_t i) const { return i % steps == 0; }
-  const rig::RigPose& At(std::size_t i) const {
-    return Given(i) ? clip.frames[i / steps] : between.frames[i];
-  }
-  std::int64_t Time_ns(std::size_t i) const {
-    return static_cast<std::int64_t>(static_cast<double>(i) / rate_hz * 1e9);
-  }
-
-  const clip::Clip& clip;
-  std::size_t steps;
-  double rate_hz;
-  std::size_t count;
-  clip::Clip between;
 };
 
 // Replaces the styles of `settings` by the blend of the arguments, as one more style of the
@@ -292,7 +268,7 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
 std::optional<neutral::Known> Restyler::NeutralOf(const clip::Clip& clip,
                                                   const rig::Binding& binding) const {
   const auto& reference = network_.model().reference;
-  if (neutral_of_clip_ && reference) return LearnNeutral(clip, binding, *reference);
+  if (neutral_of_clip_ && reference) return offline::LearnNeutral(clip, binding, *reference);
   return neutral_;
 }
 
@@ -308,7 +284,7 @@ Result<Styled> Restyler::Run(const std::string& file,
                              const std::shared_ptr<const rig::Binding>& binding,
                              const clip::AvatarSkeleton* avatar, const Progress& progress,
                              clip::Clip& clip) const {
-  const Frames frames(clip);
+  const offline::Frames frames(clip);
   const auto neutral = NeutralOf(clip, *binding);
   StyleNext style_next;
   if (network_.clips) {

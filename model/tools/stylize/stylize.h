@@ -108,9 +108,6 @@ void Retime(const std::string& file, std::span<const double> times_s, bool say, 
 inline constexpr const char* kNeutralOfClip = "clip";
 inline constexpr const char* kNeutralLive = "live";
 inline constexpr const char* kNoNeutral = "none";
-// The performer's neutral, learned from all of a clip (neutral::Neutral).
-neutral::Known LearnNeutral(const clip::Clip& clip, const rig::Binding& binding,
-                            const neutral::Reference& reference);
 // The neutral from the clip that --neutral names; empty if it names none. A clip in which no
 // performer stands or walks is an error; errors name the file.
 Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,

@@ -76,7 +76,7 @@ class WheelTest(unittest.TestCase):
         self.assertEqual((metadata['Name'], metadata['Version']), ('styled-mocap', version))
         with open(os.path.join(ROOT, 'clients/python/README.md')) as text:
             self.assertEqual(re.findall(r'pip install (?:\S+/)?(\S+\.whl)', text.read()),
-                             [os.path.basename(self.wheel)])
+                             [os.path.basename(self.wheel), f'styled_mocap-{version}-py3-none-linux_x86_64.whl'])
         found = run(self.python, '-c', 'import importlib.metadata as m; print(m.version("styled-mocap"))',
                     cwd=self.folder, env=self.clean)
         self.assertEqual(found.strip(), version)

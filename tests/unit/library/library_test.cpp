@@ -35,9 +35,10 @@ class LibraryTest : public testing::Test {
     for (const rig::Vec3& offset : skeleton_.offsets) {
       offsets_.insert(offsets_.end(), offset.begin(), offset.end());
     }
-    body_ = {sizeof body_,    skeleton_.joint_count(), names_.data(),
-             parents_.data(), offsets_.data(),         nullptr,
-             nullptr};
+    body_ = {sizeof body_,    skeleton_.joint_count(),
+             names_.data(),   parents_.data(),
+             offsets_.data(), nullptr,
+             nullptr,         nullptr};
   }
   ~LibraryTest() override { styled_release(network_); }
 

@@ -8,7 +8,7 @@ const char* PlainC(const char* weights) {
   const char* names[] = {"hips", "head"};
   const int32_t parents[] = {-1, 0};
   const float offsets[] = {0, 1, 0, 0, 0.6F, 0};
-  styled_body body = {sizeof body, 2, names, parents, offsets, NULL, NULL};
+  styled_body body = {sizeof body, 2, names, parents, offsets, NULL, NULL, NULL};
   styled_network* network = styled_load(weights, NULL, error, sizeof error);
   styled_performer* performer = styled_create(network, &body, error, sizeof error);
   styled_destroy(performer);

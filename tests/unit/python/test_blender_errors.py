@@ -232,13 +232,15 @@ class ErrorsTest(unittest.TestCase):
                     stack.enter_context(patch)
                 return self.execute(operators.STYLED_OT_restyle, thing)
 
+    @unittest.mock.patch.dict(os.environ, STYLED_LIBRARY='/nonexistent')
+    @unittest.mock.patch('shutil.which', lambda _: None)
     def test_an_action_that_cannot_be_restyled_is_said(self):
         with tempfile.TemporaryDirectory() as folder:
             for action, program, text in (
                     (Action('empty'), 'stylize', 'other: the action empty has no keyframes'),
                     (Action('long', 2, (0.0, 1e6)), 'stylize', 'has 1000001 frames, expected at most 100000'),
                     (Action('mine', 2), '/nonexistent', "cannot run '/nonexistent'"),
-                    (Action('mine', 2), '', "cannot run ''"), (Action('mine', 2), folder, 'cannot run'),
+                    (Action('mine', 2), '', 'found no libstyled'), (Action('mine', 2), folder, 'cannot run'),
                     (Action('mine', 2), '/bin/true', "'/bin/true' has written no clip; is it stylize?"),
                     (Action('mine', 2), '/bin/false', '/bin/false failed')):
                 thing = Armature(action)
