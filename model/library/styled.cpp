@@ -36,7 +36,7 @@ Result<rig::JointNames> ReadJoints(const char* const* joints) {
 
 Result<Described> ReadBody(const styled_body* given) {
   if (given == nullptr) return Status::Error("body: found NULL, expected a styled_body");
-  // That of version 0.1.0 ended before `joints`.
+  // That of the first headers ended before `joints`.
   constexpr std::size_t kFirst = offsetof(styled_body, joints);
   if (given->size != kFirst && given->size != sizeof(styled_body)) {
     return Status::Error("body: found size " + std::to_string(given->size) + ", expected " +

@@ -33,7 +33,7 @@ extern "C" {
 typedef struct styled_network styled_network;
 typedef struct styled_performer styled_performer;
 
-/* The library's version, e.g. "0.1.0". */
+/* The library's version, e.g. "0.2.0". */
 STYLED_API const char* styled_version(void);
 
 /* Reads a weights file and tries it on a built-in performer; some 0.2 s. `weights`: a path, or the

@@ -39,7 +39,7 @@ class VersionsTest(unittest.TestCase):
 
     def test_documents_name_it(self):
         for path, before in NAMED:
-            self.assertEqual([self.version], re.findall(re.escape(before) + r'(\d+\.\d+\.\d+)', read(path)), path)
+            self.assertEqual({self.version}, set(re.findall(re.escape(before) + r'(\d+\.\d+\.\d+)', read(path))), path)
 
     def test_the_changelog_begins_with_it_and_goes_back_in_time(self):
         found = releases(read('systemd/CHANGELOG.md'))
