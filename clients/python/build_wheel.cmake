@@ -25,7 +25,20 @@ if(LIBRARY)
     get_filename_component(real ${one} REALPATH)
     file(COPY_FILE ${real} ${WORK}/styled/${name})
   endforeach()
-  file(COPY ${WEIGHTS} DESTINATION ${WORK}/styled/weights)
+  # The weights have licences of their own, which the wheel must name.
+  set(licences Apache-2.0)
+  foreach(file ${WEIGHTS})
+    file(COPY ${file} ${file}.license DESTINATION ${WORK}/styled/weights)
+    file(STRINGS ${file}.license line REGEX "^SPDX-License-Identifier: ")
+    string(REPLACE "SPDX-License-Identifier: " "" licence "${line}")
+    list(APPEND licences ${licence})
+  endforeach()
+  list(REMOVE_DUPLICATES licences)
+  list(JOIN licences " AND " licences)
+  file(READ ${WORK}/pyproject.toml text)
+  string(REPLACE "text = \"Apache-2.0\"" "text = \"${licences}\"" text "${text}")
+  string(REPLACE "\"License :: OSI Approved :: Apache Software License\", " "" text "${text}")
+  file(WRITE ${WORK}/pyproject.toml "${text}")
   # For every Python 3: ctypes loads the library, so that it needs no Python's interface.
   file(WRITE ${WORK}/setup.py "from setuptools import setup
 from wheel.bdist_wheel import bdist_wheel

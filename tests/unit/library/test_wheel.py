@@ -44,6 +44,9 @@ class WheelTest(unittest.TestCase):
             self.assertTrue(where.startswith(folder + '/venv/'), where)
             self.assertEqual(frames, '1002')
             self.assertTrue(os.path.getsize(folder + '/elderly.bvh'))
+            metadata, = glob.glob(folder + '/venv/lib/*/site-packages/styled_mocap-*.dist-info/METADATA')
+            with open(metadata, encoding='utf-8') as text:
+                self.assertIn('License: Apache-2.0 AND CC-BY-NC-4.0 AND CC-BY-4.0', text.read())
 
 
 if __name__ == '__main__':
