@@ -15,6 +15,7 @@
 #include "model/base/status.h"
 #include "model/clip/clip.h"
 #include "model/library/styled.h"
+#include "model/net/licence.h"
 #include "model/net/stylizer.h"
 #include "model/rig/bind_body.h"
 #include "model/stylist/settings.h"
@@ -28,7 +29,8 @@ inline constexpr std::uint64_t kStateVersion = 1;  // of styled_save
 
 struct styled_network {
   std::shared_ptr<const styled::net::Stylizer> stylizer;
-  std::uint64_t hash;  // of the file and the precision
+  std::uint64_t hash;        // of the file and the precision
+  styled::net::Terms terms;  // of the file
   const styled::net::Styles& styles() const { return stylizer->model().styles; }
   const styled::net::StyleInfo* Find(int style) const {
     const bool known = style >= 0 && static_cast<std::size_t>(style) < styles().size();

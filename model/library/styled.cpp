@@ -119,7 +119,8 @@ Result<styled_network*> Load(const char* weights, const std::string& precision) 
   styled::Fnv1a hash;
   hash.Text(bytes.value());
   hash.Text(precision);
-  return new styled_network{std::move(network.value()), hash.value()};
+  auto terms = styled::net::ReadTerms(file.value(), network.value()->model().licence);
+  return new styled_network{std::move(network.value()), hash.value(), std::move(terms)};
 }
 
 // A state is for a performer of this network and this skeleton alone.
@@ -172,12 +173,13 @@ const char* styled_style_name(const styled_network* network, int style) {
 const char* styled_style_licence(const styled_network* network, int style) {
   const auto* const info = network == nullptr ? nullptr : network->Find(style);
   if (info == nullptr) return nullptr;
-  return info->licence.empty() ? network->stylizer->model().licence.c_str() : info->licence.c_str();
+  return (info->licence.empty() ? network->terms.licence : info->licence).c_str();
 }
 
 const char* styled_style_credit(const styled_network* network, int style) {
   const auto* const info = network == nullptr ? nullptr : network->Find(style);
-  return info == nullptr ? nullptr : info->credit.c_str();
+  if (info == nullptr) return nullptr;
+  return (info->licence.empty() ? network->terms.credit : info->credit).c_str();
 }
 
 int styled_find_style(const styled_network* network, const char* name) {

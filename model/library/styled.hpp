@@ -125,7 +125,7 @@ class Network {
     }
     return names;
   }
-  // A style's number, by name or alias; throws if there is none.
+  // A style's number, by name or alias. Throws where the network has no such style.
   int Find(const std::string& name) const {
     const int style = styled_find_style(get(), name.c_str());
     if (style >= 0) return style;

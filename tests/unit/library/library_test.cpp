@@ -97,6 +97,7 @@ TEST_F(LibraryTest, StylesHaveNamesAndLicences) {
   EXPECT_STREQ(styled_style_name(Network(), 0), "neutral");
   EXPECT_STREQ(styled_style_name(Network(), styled_find_style(Network(), "Elderly")), "elderly");
   EXPECT_NE(std::string(styled_style_licence(Network(), 1)), "");
+  EXPECT_NE(std::string(styled_style_credit(Network(), 1)), "");
   EXPECT_EQ(styled_style_name(Network(), count), nullptr);
   EXPECT_EQ(styled_style_licence(Network(), -1), nullptr);
   EXPECT_EQ(styled_find_style(Network(), "odd"), -1);
