@@ -5,6 +5,7 @@
 #include <cctype>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace styled::net {
@@ -74,7 +75,10 @@ std::string TermsText(const Terms& terms) {
 
 Terms ReadTerms(const std::filesystem::path& file, const std::string& licence) {
   Terms terms{file.filename().string(), licence, ""};
-  std::ifstream in(file.string() + ".license");
+  const std::string beside = file.string() + ".license";
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(beside, error)) return terms;  // a pipe would be waited for
+  std::ifstream in(beside);
   std::string text(kMaxTerms_bytes, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));

@@ -19,7 +19,7 @@ Commercial CommercialUse(std::string_view licence);
 struct Terms {
   std::string file;     // its name, "v2.safetensors"
   std::string licence;  // "CC-BY-NC-4.0"; "": none is given
-  std::string credit;   // whom to credit, separated by "; "; "": no name is given
+  std::string credit;   // the names to credit, separated by "; "; "": none is given
 };
 
 // A sentence for logs: "v2.safetensors: licence CC-BY-NC-4.0, not for commercial use".

@@ -1,6 +1,7 @@
 #include "model/net/licence.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <string>
@@ -51,6 +52,12 @@ TEST_F(TermsTest, AreReadFromTheLicenceFile) {
   EXPECT_EQ(terms.licence, "CC-BY-NC-4.0");
   EXPECT_EQ(terms.credit, "2026 One; Two, Inc.");
   EXPECT_EQ(TermsText(terms), "w.safetensors: licence CC-BY-NC-4.0, not for commercial use");
+}
+
+TEST_F(TermsTest, DoNotWaitForAPipe) {
+  ASSERT_EQ(mkfifo((folder_ / "w.safetensors.license").c_str(), 0600), 0);
+  const Terms terms = ReadTerms(std::filesystem::path(folder_ / "w.safetensors"), "CC BY 4.0");
+  EXPECT_EQ(terms.licence, "CC BY 4.0");
 }
 
 TEST_F(TermsTest, IgnoreWhatIsNotText) {
