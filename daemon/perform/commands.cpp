@@ -180,7 +180,8 @@ void Commands::List(v1::Reply& reply) const {
     } else {
       FillTerms(styles[i], roster_.config().terms, info);
     }
-    FillCommercialUse(info);
+    const int listed = list.styles_size() - 1;
+    FillCommercialUse(listed > 0 ? &list.styles(listed - 1) : nullptr, info);
     if (!made) continue;
     info.set_made(true);
     info.set_source(found->second->source);

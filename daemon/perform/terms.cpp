@@ -1,7 +1,7 @@
 #include "daemon/perform/terms.h"
 
-#include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace styled::pipeline {
 namespace {
@@ -33,15 +33,17 @@ void FillTerms(const net::StyleInfo& style, std::span<const net::Terms> files, v
   if (!style.licence.empty()) return;
   for (const net::Terms& terms : files) {
     // With one network its styles name none.
-    if (!style.model.empty() && std::filesystem::path(terms.file).stem() != style.model) continue;
+    const auto stem = std::string_view(terms.file).substr(0, terms.file.rfind('.'));
+    if (!style.model.empty() && stem != style.model) continue;
     out.set_licence(terms.licence);
     out.set_credit(terms.credit);
     return;
   }
 }
 
-void FillCommercialUse(v1::StyleInfo& out) {
-  out.set_commercial_use(CommercialUseOf(out.licence()));
+void FillCommercialUse(const v1::StyleInfo* before, v1::StyleInfo& out) {
+  const bool same = before != nullptr && before->licence() == out.licence();
+  out.set_commercial_use(same ? before->commercial_use() : CommercialUseOf(out.licence()));
 }
 
 }  // namespace styled::pipeline

@@ -16,7 +16,8 @@ void FillTerms(const net::Terms& terms, v1::WeightsTerms& out);
 // `files`.
 void FillTerms(const net::StyleInfo& style, std::span<const net::Terms> files, v1::StyleInfo& out);
 
-// Sets the answer to whether the licence in `out` allows commercial use.
-void FillCommercialUse(v1::StyleInfo& out);
+// Sets the answer to whether the licence in `out` allows commercial use. `before`, or null: the
+// style listed before it; a thousand made styles share a licence, which is then judged once.
+void FillCommercialUse(const v1::StyleInfo* before, v1::StyleInfo& out);
 
 }  // namespace styled::pipeline

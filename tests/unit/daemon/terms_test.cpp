@@ -13,7 +13,7 @@ const std::array<net::Terms, 2> kFiles{net::Terms{"v2.safetensors", "CC-BY-NC-4.
 v1::StyleInfo InfoOf(const net::StyleInfo& style, std::span<const net::Terms> files) {
   v1::StyleInfo info;
   FillTerms(style, files, info);
-  FillCommercialUse(info);
+  FillCommercialUse(nullptr, info);
   return info;
 }
 
@@ -44,6 +44,18 @@ TEST(DaemonTerms, AnUnknownLicenceIsNotAPermission) {
   net::StyleInfo style;
   style.licence = "mine";
   EXPECT_EQ(InfoOf(style, kFiles).commercial_use(), v1::COMMERCIAL_USE_UNSPECIFIED);
+}
+
+TEST(DaemonTerms, AStyleListedAfterOneOfItsLicenceIsJudgedAsThat) {
+  v1::StyleInfo first, same, other;
+  first.set_licence("MIT");
+  same.set_licence("MIT");
+  other.set_licence("CC BY-NC 4.0");
+  FillCommercialUse(nullptr, first);
+  FillCommercialUse(&first, same);
+  FillCommercialUse(&same, other);
+  EXPECT_EQ(same.commercial_use(), v1::COMMERCIAL_USE_YES);
+  EXPECT_EQ(other.commercial_use(), v1::COMMERCIAL_USE_NO);
 }
 
 TEST(DaemonTerms, OfAFileAreComplete) {
