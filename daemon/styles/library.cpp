@@ -45,7 +45,7 @@ std::vector<std::filesystem::path> FilesOf(RuntimeConfig& config) {
 
 // Makes the code of a style of other weights again, from the example beside its file.
 Status MakeAgain(const std::filesystem::path& file, const std::string& other_weights,
-                 RuntimeConfig& config, MadeStyle& style) {
+                 const WorkLimit& work, RuntimeConfig& config, MadeStyle& style) {
   const std::string made_with = file.string() + ": was made with other weights, " + other_weights;
   const std::filesystem::path example = std::filesystem::path(file).replace_extension(kExample);
   const auto bvh = ReadFile(example, kMaxExampleBytes);
@@ -53,8 +53,9 @@ Status MakeAgain(const std::filesystem::path& file, const std::string& other_wei
     return Status::Error(made_with + "; expected " + config.weights_hash + ", or its example " +
                          example.filename().string() + " beside it");
   }
+  if (work.exceeded()) return Status::Error(made_with + "; " + work.Refusal().message());
   const float all_s = style.seconds;
-  Status made = MakeCodeAgain(config, bvh.value(), example.string(), style);
+  Status made = MakeCodeAgain(config, bvh.value(), example.string(), work, style);
   if (!made.ok()) return Status::Error(made_with + "; " + made.message());
   std::string line = made_with + ", and is made again from its example";
   constexpr float kSame_s = 0.5F;  // the rate of the kept example may be lower
@@ -66,7 +67,8 @@ Status MakeAgain(const std::filesystem::path& file, const std::string& other_wei
 }
 
 // Adds the style of a file, unless the configuration already has it as it is in the file.
-Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
+Status AddFromFile(const std::filesystem::path& file, const WorkLimit& again,
+                   RuntimeConfig& config) {
   const auto text = ReadFile(file, kMaxStyleFileBytes);
   if (!text.ok()) return text.status();
   std::string other_weights;
@@ -80,8 +82,8 @@ Status AddFromFile(const std::filesystem::path& file, RuntimeConfig& config) {
   const auto known = config.made.find(name);
   const bool same = known != config.made.end() && known->second->file_hash == HashOf(text.value());
   if (!same && !other_weights.empty()) {
-    const Status again = MakeAgain(file, other_weights, config, style.value());
-    if (!again.ok()) return again;
+    const Status made = MakeAgain(file, other_weights, again, config, style.value());
+    if (!made.ok()) return made;
   }
   const Status refusal = same ? Status::Ok() : PutStyle(std::move(style.value()), config);
   if (!refusal.ok()) return Status::Error(file.string() + ": " + refusal.message());
@@ -116,7 +118,7 @@ Status WriteStyle(const std::string& name, RuntimeConfig& config) {
 
 }  // namespace
 
-void ReadLibrary(RuntimeConfig& config) {
+void ReadLibrary(RuntimeConfig& config, std::chrono::milliseconds longest) {
   if (config.style.library.empty()) return;
   const std::vector<std::filesystem::path> files = FilesOf(config);
   const auto gone = [&files](const std::string& name) {
@@ -131,8 +133,10 @@ void ReadLibrary(RuntimeConfig& config) {
       RetireStyle(number, config);
     }
   }
+  const auto again =
+      WorkLimit::Within(longest, "fewer styles to make again; a reload makes the others");
   for (const std::filesystem::path& file : files) {
-    const Status added = AddFromFile(file, config);
+    const Status added = AddFromFile(file, again, config);
     if (!added.ok()) config.complaints.push_back("style.library: " + added.message());
   }
 }

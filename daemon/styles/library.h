@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -16,12 +17,18 @@
 // Without a library the functions do nothing. Pinned by tests/e2e/style_library_test.cpp.
 namespace styled::pipeline {
 
+// An example of a minute takes about 0.6 s (like.h), a thousand of them ten minutes; systemd waits
+// 90 s for a daemon to start.
+inline constexpr std::chrono::seconds kLongestAgain(20);
+
 // Synchronizes the styles of `config` with the folder: adds new and changed ones in the order of
 // names, and retires those whose file is gone. A file that cannot be used is left out, with a line
 // in config.complaints that names it and what was expected. A style of other weights is made again
 // from its example, with such a line; its files stay as they are, for those weights. Start-up and
 // reload.
-void ReadLibrary(RuntimeConfig& config);
+// `longest` is for all that are made again: those beyond it are left out with a line, and the next
+// call makes the others.
+void ReadLibrary(RuntimeConfig& config, std::chrono::milliseconds longest = kLongestAgain);
 
 // An example as the text of its NAME.bvh: poses at `rate_hz`, of the canonical humanoid in metres;
 // "" without poses. At most `most_bytes`, of which 64 KiB are always enough: only every second,

@@ -313,7 +313,7 @@ void SetLicence(const RuntimeConfig& running, MadeStyle& style) {
 }  // namespace
 
 Status MakeCodeAgain(const RuntimeConfig& running, const std::string& bvh, const std::string& file,
-                     MadeStyle& style) {
+                     const WorkLimit& work, MadeStyle& style) {
   v1::Like like;
   like.set_name(style.name);
   like.set_clip(bvh);
@@ -321,7 +321,7 @@ Status MakeCodeAgain(const RuntimeConfig& running, const std::string& bvh, const
   if (Status status = CheckExample(like, *running.network); !status.ok()) return status;
   std::vector<body::Pose> example;
   std::string remark;
-  Status made = MakeCode(like, running, {}, {}, style, example, remark);
+  Status made = MakeCode(like, running, {}, work, style, example, remark);
   if (made.ok()) SetLicence(running, style);
   return made;
 }

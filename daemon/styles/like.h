@@ -22,10 +22,10 @@ Status CheckLike(const RuntimeConfig& running, const v1::Like& like);
 // Writes the description of a style of `space` for a reply.
 void Describe(const net::StyleSpace& space, const MadeStyle& style, v1::LikeReply& reply);
 
-// Finds the code of `style` anew for the running weights, from the text of its example, a BVH clip
-// (styles/library.h). Errors name `file`. Blocks as AddStyle does.
+// Finds the code of `style` again for the running weights, from the text of its example, a BVH clip
+// (styles/library.h). Errors name `file`. Blocks as AddStyle does; `work` limits the reading.
 Status MakeCodeAgain(const RuntimeConfig& running, const std::string& bvh, const std::string& file,
-                     MadeStyle& style);
+                     const WorkLimit& work, MadeStyle& style);
 
 // Does the part of a Like that does not belong to the pipeline: reads the clip, finds the style's
 // code, and makes a configuration whose network has the style; null for Like.measure. Fills
