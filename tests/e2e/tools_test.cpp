@@ -510,8 +510,9 @@ TEST_F(ToolsTest, LicencesOfShippedWeightsTellACompanyWhatItMayUse) {
             HasSubstr("other weights: open.safetensors: licence CC-BY-4.0, for commercial use")));
   EXPECT_THAT(
       licence_of("--license --weights open"),
-      HasSubstr("  angry, elated: licence CC BY 4.0, for commercial use too if credited; credit: "
-                "The 100STYLE Dataset - Ian Mason\n"));
+      HasSubstr(
+          "  angry, elated, rushed: licence CC BY 4.0, for commercial use too if credited; credit: "
+          "The 100STYLE Dataset - Ian Mason\n"));
 }
 
 // An installation without the package styled-weights-nc.

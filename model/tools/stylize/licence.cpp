@@ -1,5 +1,6 @@
 #include "model/tools/stylize/licence.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -17,10 +18,11 @@ std::string LicenceText(const std::filesystem::path& file, const net::Model& mod
     if (style.licence.empty() && style.credit.empty()) continue;
     std::string said = net::TermsText({"", style.licence, style.credit}).substr(2);
     if (!style.credit.empty()) said += "; credit: " + style.credit;
-    if (own.empty() || own.back().first != said) {
+    const auto same = std::ranges::find(own, said, &std::pair<std::string, std::string>::first);
+    if (same == own.end()) {
       own.emplace_back(std::move(said), style.name);
     } else {
-      own.back().second += ", " + style.name;
+      same->second += ", " + style.name;
     }
   }
   for (const auto& [said, names] : own) text += "  " + names + ": " + said + "\n";

@@ -137,7 +137,7 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
       ->needs(avatar);
   app.add_flag("--list", arguments.list, "print the styles of the weights");
   app.add_flag("--licence,--license", arguments.licence,
-               "print the licences of the weights, and whom to credit");
+               "print the licences of the weights, and the names to credit");
   app.add_option(
       "files", arguments.files,
       "input BVH and output file (" + clip::FormatNames() +
