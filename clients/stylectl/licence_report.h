@@ -7,8 +7,8 @@
 
 namespace styled::stylectl {
 
-// The answer to what a company may use and whom it credits, as text for people: styles by
-// permission, the files of weights, and credits. Lines end in a newline. Pure.
+// The styles that may be used commercially and those that may not, the licence of each file of
+// weights, and the names to credit, as text for people. Lines end in a newline. Pure.
 std::string LicencesText(const v1::ListReply& list);
 nlohmann::json LicencesJson(const v1::ListReply& list);
 

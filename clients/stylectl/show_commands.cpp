@@ -143,7 +143,8 @@ void DeclareShowCommands(Session& session) {
                         [&session, endpoints] { return Stages(session, *endpoints); });
   stages->add_option("ENDPOINT", *endpoints, "control addresses (default: that of --endpoint)");
   session
-      .AddOnline("licences", "which styles may be used commercially, and whom to credit",
+      .AddOnline("licences",
+                 "the styles that may be used commercially, the licences, and the names to credit",
                  [&session] { return Licences(session); })
       ->alias("licenses");
 }

@@ -1,4 +1,4 @@
-// What may be used commercially, and whom to credit: a dialog behind the header's version.
+// A dialog behind the header's version: the styles that may be used commercially, and the names to credit.
 import { CommercialUse, type ListReply, type StyleInfo } from 'styled-client';
 
 import type { App } from './app.js';
