@@ -142,11 +142,12 @@ void DeclareShowCommands(Session& session) {
       session.AddOnline("stages", "which of several daemons leads and which follows",
                         [&session, endpoints] { return Stages(session, *endpoints); });
   stages->add_option("ENDPOINT", *endpoints, "control addresses (default: that of --endpoint)");
-  session
-      .AddOnline("licences",
-                 "the styles that may be used commercially, the licences, and the names to credit",
-                 [&session] { return Licences(session); })
-      ->alias("licenses");
+  const std::string licences =
+      "the styles that may be used commercially, the licences, and the names to credit";
+  session.AddOnline("licences", licences, [&session] { return Licences(session); });
+  // As it is spelt in the United States. --help does not show it, so that pages and completion name
+  // the command once.
+  session.AddOnline("licenses", licences, [&session] { return Licences(session); })->group("");
 }
 
 }  // namespace styled::stylectl

@@ -8,7 +8,7 @@ import bpy
 bl_info = {
     'name': 'Styled',
     'author': 'Styled',
-    'version': (0, 1, 0),
+    'version': (0, 2, 0),
     'blender': (3, 4, 0),
     'location': '3D View > Sidebar > Styled',
     'description': 'Live motion, restyled, on armatures',
