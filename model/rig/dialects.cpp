@@ -1,9 +1,12 @@
 #include "model/rig/dialects.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -221,9 +224,9 @@ Candidate Try(const Skeleton& skeleton, const JointMap& map, Rest dialect) {
   return candidate;
 }
 
-bool HasNames(const Skeleton& skeleton, std::initializer_list<std::string_view> names) {
+bool HasNames(const Skeleton& skeleton, std::span<const std::string_view> names) {
   for (std::string_view name : names) {
-    bool found = false;
+    bool found = name.empty();
     for (const std::string& joint : skeleton.names) found = found || joint == name;
     if (!found) return false;
   }
@@ -240,9 +243,9 @@ const Dialect* FindDialect(std::string_view name) {
 // Joint names that only one dialect has.
 struct Signature {
   std::string_view dialect;
-  std::initializer_list<std::string_view> names;
+  std::array<std::string_view, 6> names;  // as many as are not empty
 };
-const Signature kSignatures[] = {
+constexpr Signature kSignatures[] = {
     {"bandai-namco", {"Hips", "Chest", "Shoulder_L", "UpperArm_L", "LowerLeg_R", "Toes_R"}},
     {"cmu", {"LHipJoint", "RHipJoint", "LowerBack"}},
     {"rokoko", {"hip", "leftUpLeg", "leftLowerArm", "rightToe"}},

@@ -13,18 +13,26 @@ namespace {
 
 using body::kJointCount;
 
+// By Newton's method: the compiler computes no std::sqrt beforehand.
+constexpr float Length_m(const body::JointRow& row) {
+  const double x = row.x_m, y = row.y_m, z = row.z_m;
+  double length = 1;
+  for (int i = 0; i < 60; ++i) length = (length + (x * x + y * y + z * z) / length) / 2;
+  return static_cast<float>(length);
+}
+
 // The distance (m) that the body extends beyond each joint.
-std::array<float, kJointCount> LimbReaches_m() {
-  std::array<float, kJointCount> reach_m;
+constexpr std::array<float, kJointCount> LimbReaches_m() {
+  std::array<float, kJointCount> reach_m{};
   reach_m.fill(tuning::kEndReach_m);
   for (int joint = kJointCount - 1; joint > 0; --joint) {
     const auto j = static_cast<std::size_t>(joint);
     const auto parent = static_cast<std::size_t>(body::kHumanoid[j].parent);
-    reach_m[parent] = std::max(reach_m[parent], body::Offset(joint).norm() + reach_m[j]);
+    reach_m[parent] = std::max(reach_m[parent], Length_m(body::kHumanoid[j]) + reach_m[j]);
   }
   return reach_m;
 }
-const std::array<float, kJointCount> kLimbReach_m = LimbReaches_m();
+constexpr std::array<float, kJointCount> kLimbReach_m = LimbReaches_m();
 
 // An upper bound (m) on the displacement of any point of the body when `to` replaces `from`.
 float Displacement_m(const StyleDelta& from, const StyleDelta& to) {
