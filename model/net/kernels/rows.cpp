@@ -31,6 +31,16 @@ int Columns(const RowProduct& product) {
   return product.columns > 0 ? product.columns : product.weights->columns();
 }
 
+// The larger of two. A y that is NaN stays NaN, so that a check of the output finds it: x86 takes
+// the second then; on ARM Highway's Max would take the one that is a number.
+HWY_INLINE V AtLeast(V least, V y) {
+#if HWY_ARCH_ARM_A64 && HWY_TARGET < HWY_EMU128
+  return V{vmaxq_f32(least.raw, y.raw)};
+#else
+  return hn::Max(least, y);
+#endif
+}
+
 // One tile: `Rows` rows from `row` on, `Panels` panels from `panel` on.
 template <int Rows, int Panels, bool Ahead>
 HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
@@ -94,8 +104,7 @@ HWY_INLINE void Tile(const RowProduct& product, int panel, int row) {
       V y = sum[r][v];
       if (bias != nullptr) y = hn::Add(y, hn::LoadU(d, bias + v * kLanes));
       if (product.add != nullptr) y = hn::Add(y, hn::LoadU(d, product.add + at + v * kLanes));
-      // In this order a NaN stays a NaN, so that a check of the output finds it.
-      hn::StoreU(hn::Max(least, y), d, product.y + at + v * kLanes);
+      hn::StoreU(AtLeast(least, y), d, product.y + at + v * kLanes);
     }
   }
 }
@@ -165,7 +174,7 @@ void Mix(const RowMixture& mixture) noexcept {
           }
         }
         for (int v = 0; v < vectors; ++v) {
-          hn::StoreU(hn::Max(least, sum[v]), d, y + channel + v * kLanes);
+          hn::StoreU(AtLeast(least, sum[v]), d, y + channel + v * kLanes);
         }
       });
     }
@@ -219,7 +228,7 @@ void Blend(const float* a, const float* b, float share, std::size_t count, bool 
   const V least = hn::Set(d, relu ? 0.0F : hwy::LowestValue<float>());
   for (std::size_t i = 0; i < count; i += kLanes) {
     const V mean = hn::MulAdd(of_a, hn::LoadU(d, a + i), hn::Mul(of_b, hn::LoadU(d, b + i)));
-    hn::StoreU(hn::Max(least, mean), d, y + i);
+    hn::StoreU(AtLeast(least, mean), d, y + i);
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+// As in the kernels' sources: else SVE counts as a target of this build.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #include <hwy/targets.h>
 
 namespace styled::net {
