@@ -20,8 +20,9 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Weights of int8. A panel holds, two columns at a time, the weights of its rows one after another:
-// 64 bytes; and after its last columns, for each group of columns that share a number, the numbers
-// of its rows. A sum of products of whole numbers below 2^31: 64 columns of 127 * 32767.
+// 64 bytes, in the order of WeightIndex; and after its last columns, for each group of columns that
+// share a number, the numbers of its rows. A sum of products of whole numbers is below 2^31: 64
+// columns of 127 * 32767.
 using DI = hn::RebindToSigned<D>;
 using VI = hn::Vec<DI>;
 constexpr DI di;
@@ -37,6 +38,15 @@ constexpr std::size_t kPairBytes = std::size_t{2} * kPanelRows;
 constexpr std::size_t kScaleBytes = sizeof(float) * kPanelRows;
 constexpr std::size_t PanelBytes(int columns, int together) {
   return Pairs(columns) * kPairBytes + Groups(columns, together) * kScaleBytes;
+}
+
+// NEON multiplies and adds without a sum of neighbours, so each of its vectors has the rows of one
+// column, then those of the other.
+#define STYLED_NEON (HWY_ARCH_ARM_A64 && HWY_TARGET < HWY_EMU128)
+constexpr int WeightIndex(int row, int column) {
+  const int pair = column / 2 * kPanelRows * 2;
+  return STYLED_NEON ? pair + (row / kLanes * 2 + column % 2) * kLanes + row % kLanes
+                     : pair + row * 2 + column % 2;
 }
 
 // Inputs of a product as whole numbers, up to kMostStates of them.
@@ -75,17 +85,24 @@ HWY_INLINE float Whole(const float* x, int columns, std::int16_t* whole) {
   return most / kMostInput + odd;
 }
 
-// Of each of 32 bits two whole numbers of 16 bits: a0 b0 + a1 b1.
-HWY_INLINE VI SumOfPairs(hn::Vec<DH> a, hn::Vec<DH> b) {
+// sum + w0 x0 + w1 x1, of the weights of as many rows as a vector has lanes, two columns at a time
+// in the order of WeightIndex, and of the two inputs in each lane of `factor`.
+HWY_INLINE VI AddPairs(VI sum, hn::Vec<DH> weight, hn::Vec<DH> factor) {
 #if HWY_TARGET == HWY_AVX2
-  return VI{_mm256_madd_epi16(a.raw, b.raw)};
+  return hn::Add(sum, VI{_mm256_madd_epi16(weight.raw, factor.raw)});
 #elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
-  return VI{_mm512_madd_epi16(a.raw, b.raw)};
+  return hn::Add(sum, VI{_mm512_madd_epi16(weight.raw, factor.raw)});
+#elif HWY_ARCH_X86 && HWY_TARGET < HWY_EMU128
+  return hn::Add(sum, VI{_mm_madd_epi16(weight.raw, factor.raw)});
+#elif STYLED_NEON
+  const int16x4_t two = vget_low_s16(factor.raw);
+  const int32x4_t first = vmlal_lane_s16(sum.raw, vget_low_s16(weight.raw), two, 0);
+  return VI{vmlal_high_lane_s16(first, weight.raw, two, 1)};
 #else
-  const VI x = hn::BitCast(di, a), y = hn::BitCast(di, b);
+  const VI w = hn::BitCast(di, weight), x = hn::BitCast(di, factor);
   const auto lower = [](VI pair) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(pair)); };
-  return hn::Add(hn::Mul(lower(x), lower(y)),
-                 hn::Mul(hn::ShiftRight<16>(x), hn::ShiftRight<16>(y)));
+  return hn::Add(sum, hn::Add(hn::Mul(lower(w), lower(x)),
+                              hn::Mul(hn::ShiftRight<16>(w), hn::ShiftRight<16>(x))));
 #endif
 }
 
@@ -119,7 +136,7 @@ HWY_INLINE void AccumulateWhole(const std::int8_t* HWY_RESTRICT weights, const f
           dh, hn::Load(narrow, weights + v / kVectors * panel_bytes + v % kVectors * 2 * kLanes));
       HWY_UNROLL(4)
       for (int i = 0; i < Inputs; ++i) {
-        whole[i][k] = hn::Add(whole[i][k], SumOfPairs(weight, factor[i]));
+        whole[i][k] = AddPairs(whole[i][k], weight, factor[i]);
       }
     }
   }
@@ -140,12 +157,12 @@ HWY_INLINE void AccumulateWhole(const std::int8_t* HWY_RESTRICT weights, const f
 // The vectors of rows whose sums fit into the registers, for so many inputs: of whole panels, but
 // half a panel for four inputs in sixteen registers.
 template <int Inputs>
-constexpr int kWholeVectors = kManyRegisters ? (Inputs == 1   ? 8
-                                                : Inputs == 2 ? 8
-                                                              : 4)
-                                             : (Inputs == 1   ? 8
-                                                : Inputs == 2 ? 4
-                                                              : 2);
+constexpr int kWholeVectors = kManyRegisters || STYLED_NEON ? (Inputs == 1   ? 8
+                                                               : Inputs == 2 ? 8
+                                                                             : 4)
+                                                            : (Inputs == 1   ? 8
+                                                               : Inputs == 2 ? 4
+                                                                             : 2);
 
 template <int Inputs, int Vectors>
 HWY_INLINE void AffineWholeVectors(const std::int8_t* weights, int first, int columns,
@@ -287,7 +304,7 @@ void PackInt8(float* weights, int panels, int columns, int together) noexcept {
         scales[group * kPanelRows + row] = scale;
         for (int c = first; c < end + end % 2; ++c) {
           const float weight = c < end ? at(row, c) / scale : 0.0F;
-          to[(c / 2 * kPanelRows + row) * 2 + c % 2] =
+          to[WeightIndex(row, c)] =
               static_cast<std::int8_t>(std::lrint(HWY_MIN(HWY_MAX(weight, -127.0F), 127.0F)));
         }
       }

@@ -64,7 +64,12 @@ float Unpacked(const Aligned& packed, int columns, int together, int row, int co
   const auto* const begin = reinterpret_cast<const std::int8_t*>(packed.data()) +
                             panel * (pairs * 2 + groups * 4) * kPanelRows;
   const auto* const scales = reinterpret_cast<const float*>(begin + pairs * 2 * kPanelRows);
-  return static_cast<float>(begin[(column / 2 * kPanelRows + in_panel) * 2 + column % 2]) *
+#ifdef __aarch64__  // four rows of a column, then of the next
+  const int in_pair = (in_panel / 4 * 2 + column % 2) * 4 + in_panel % 4;
+#else
+  const int in_pair = in_panel * 2 + column % 2;
+#endif
+  return static_cast<float>(begin[column / 2 * kPanelRows * 2 + in_pair]) *
          scales[group * kPanelRows + in_panel];
 }
 
