@@ -13,10 +13,10 @@ namespace {
 // A finger, palm down: where it begins in the left hand's frame, its direction, and the lengths of
 // its two inner bones.
 struct Finger {
-  Vec3 begin_m, along;
+  std::array<float, 3> begin_m, along;
   float lengths_m[2];
 };
-const std::array<Finger, kFingersPerHand> kFingers{{
+constexpr std::array<Finger, kFingersPerHand> kFingers{{
     {{0.025F, -0.01F, 0.025F}, {0.74F, 0, 0.67F}, {0.035F, 0.03F}},
     {{0.09F, 0, 0.025F}, {1, 0, 0}, {0.035F, 0.025F}},
     {{0.092F, 0, 0.004F}, {1, 0, 0}, {0.04F, 0.027F}},
@@ -68,7 +68,8 @@ TailSet FingersOf(body::Joint hand) {
 Vec3 FingerOffset_m(int joint) {
   const Finger& finger = kFingers[static_cast<std::size_t>(joint % kHandTail / kFingerJoints)];
   const int bone = joint % kFingerJoints;
-  Vec3 offset_m = bone == 0 ? finger.begin_m : Vec3(finger.lengths_m[bone - 1] * finger.along);
+  Vec3 offset_m(finger.begin_m.data());
+  if (bone > 0) offset_m = finger.lengths_m[bone - 1] * Vec3(finger.along.data());
   if (joint >= kTailRightThumb) offset_m.x() = -offset_m.x();
   return offset_m;
 }
