@@ -9,6 +9,7 @@
 #include "model/base/flush_subnormals.h"
 #include "model/body/humanoid.h"
 #include "model/clip/bind_clip.h"
+#include "model/library/entry.h"
 #include "model/library/handles.h"
 #include "model/library/styled.h"
 #include "model/offline/frames.h"
@@ -159,14 +160,14 @@ int Tried(char* error, std::size_t size, const Act& act) noexcept {
 
 extern "C" {
 
-styled_clip* styled_read_clip(const char* file, const char* const* joints, char* error,
-                              std::size_t error_size) {
+styled_clip* styled_read_clip_checked(const char* file, const char* const* joints, char* error,
+                                      std::size_t error_size) {
   return Guarded<styled_clip>(error, error_size, [&] { return Read(file, joints); });
 }
 
-styled_clip* styled_make_clip(const styled_body* body, double rate_hz, std::size_t frames,
-                              const float* root, const float* rotations, char* error,
-                              std::size_t error_size) {
+styled_clip* styled_make_clip_checked(const styled_body* body, double rate_hz, std::size_t frames,
+                                      const float* root, const float* rotations, char* error,
+                                      std::size_t error_size) {
   return Guarded<styled_clip>(error, error_size,
                               [&] { return Make(body, rate_hz, frames, root, rotations); });
 }

@@ -15,6 +15,7 @@
 #include "model/base/flush_subnormals.h"
 #include "model/base/hash.h"
 #include "model/base/read_file.h"
+#include "model/library/entry.h"
 #include "model/library/handles.h"
 #include "model/net/shipped_weights.h"
 #include "model/trial/trial.h"
@@ -153,8 +154,8 @@ extern "C" {
 
 const char* styled_version(void) { return STYLED_VERSION; }
 
-styled_network* styled_load(const char* weights, const char* precision, char* error,
-                            std::size_t error_size) {
+styled_network* styled_load_checked(const char* weights, const char* precision, char* error,
+                                    std::size_t error_size) {
   return Guarded<styled_network>(
       error, error_size, [&] { return Load(weights, precision == nullptr ? "int8" : precision); });
 }

@@ -1,5 +1,7 @@
 /* libstyled: motion restyled in a program's own process, without the daemon, sockets or messages. A
- * C interface; example.c shows a program. The processor needs AVX2, as for the daemon.
+ * C interface; example.c shows a program. On a processor without the instructions of the build
+ * (AVX2, unless it was built for an older one) styled_load, styled_read_clip and styled_make_clip
+ * fail with a sentence.
  *
  * A network is loaded once and shared by all performers. A performer is one stream of poses of one
  * skeleton: any skeleton, in its own units and axes, as the daemon accepts it. The result is the
