@@ -35,8 +35,8 @@ constexpr int LstmRow(int gate, int unit) { return (unit / 16 * 4 + gate) * 16 +
 // The precision to which weights are rounded; states and activations are float32 in each. Of int8
 // the weights of a row, up to kScaleColumns of them, are whole multiples, -127 to 127, of a number
 // of their own, and each product's inputs, up to as many, of another one, -32767 to 32767. Their
-// sums are exact, and thus the same bits on every target. It takes a quarter of float32's memory
-// traffic.
+// sums are exact, and thus the same bits on every target that rounds once per multiplication and
+// addition (all but SSE in a build without FMA). It takes a quarter of float32's memory traffic.
 enum class Precision { kFloat32, kInt8 };
 
 // Of int8: the most columns that share a number.
