@@ -88,19 +88,24 @@ class LibraryTest(unittest.TestCase):
             performer.calibrate(99)
 
     def test_other_threads_run_meanwhile(self):
-        turns, done = [0], threading.Event()
+        turns, most = [0], [0]
 
         def restyle():
-            styled.restyle(self.clip, 'elderly')
-            done.set()
+            # On a loaded machine the other thread may wait for a processor throughout one call.
+            for _ in range(200):
+                before = turns[0]
+                self.clip.restyled('elderly', by)
+                most[0] = max(most[0], turns[0] - before)
+                if most[0] > 10:
+                    break
 
+        by = styled.library.network()
         thread = threading.Thread(target=restyle)
         thread.start()
-        while not done.is_set():
+        while thread.is_alive():
             turns[0] += 1
             time.sleep(0.001)
-        thread.join()
-        self.assertGreater(turns[0], 5)  # with the GIL held there would be one or two
+        self.assertGreater(most[0], 10)  # with the GIL held there would be one or two
 
     def test_clips_and_performers_are_released(self):
         def resident():
