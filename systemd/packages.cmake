@@ -88,8 +88,10 @@ definitions for other languages."
   DEPENDS "libeigen3-dev, ${protobuf}, libzmq3-dev")
 package(python python3-styled python "Python client library of a styled daemon"
 "Subscribes to styled motion and controls a styled daemon, plain and with
-asyncio. python3 -m styled tail shows what is published."
-  DEPENDS "python3 (>= 3.9), python3-protobuf, python3-zmq")
+asyncio. python3 -m styled tail shows what is published. With libstyled it
+restyles clips without a daemon."
+  DEPENDS "python3 (>= 3.9), python3-protobuf, python3-zmq"
+  SUGGESTS "libstyled${PROJECT_VERSION_MAJOR}, python3-numpy")
 # The trainer's, where libtorch was found.
 if(TARGET styletrain)
   package(train styled-train video "train and judge styles for styled"
@@ -103,10 +105,11 @@ get_cmake_property(components COMPONENTS)
 if(library IN_LIST components AND library_dev IN_LIST components)
   package(library libstyled${PROJECT_VERSION_MAJOR} libs "restyles motion, as a library"
 "Puts poses of a skeleton into another style, frame by frame, in the calling
-program. Weights are not in it: styled has them.")
+program. Weights are not in it: styled has them."
+    SUGGESTS styled)
   package(library_dev libstyled-dev libdevel "restyles motion, as a library: to build with"
-"Header of libstyled, a library with a C interface that puts poses of a skeleton
-into another style."
+"Headers of libstyled, a library with a C interface that puts poses of a skeleton
+into another style, for C and C++, CMake (find_package) and pkg-config."
     DEPENDS "libstyled${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION})")
   set(CPACK_DEBIAN_LIBRARY_DEV_PACKAGE_SHLIBDEPS OFF)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)

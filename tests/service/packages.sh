@@ -103,7 +103,7 @@ if [ -n "${STYLED_OLD:-}" ]; then
   check "keys and recordings stayed" "$(cd "$root/var/lib/styled" && sha256sum --quiet -c "$work/kept" && grep -c 'keys/clients/anna.key' "$work/kept")" 1
 fi
 count=$(ls "$debs"/*.deb | wc -l)
-check "all are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev}\n' 'styled*' '*-styled' '*styled-client*' | grep -c '^ii')" "$count"
+check "all are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev}\n' 'styled*' '*-styled' 'libstyled*' | grep -c '^ii')" "$count"
 check "the group is there" "$(inside getent group styled | cut -d: -f1)" styled
 check "nothing is enabled" "$(find "$root/etc/systemd" -name '*style*' | wc -l)" 0
 check "the weights are there" "$(cd "$root/usr/share/styled/weights" && echo *)" \
@@ -114,6 +114,7 @@ check "the configuration is good" "$(inside styled --check-config /etc/styled/st
 check "every program has a page" "$(cd "$root/usr/bin" && for p in style*; do [ -f "$root/usr/share/man/man1/$p.1.gz" ] || echo "$p"; done)" ""
 
 check "a frame's way, and a style" "$(runs elderly)" elderly
+check "libstyled finds the weights" "$(inside python3 -c 'import styled; print("zombie" in styled.Network("open").styles)')" True
 check "Python's client is there" "$(inside python3 -c 'import styled; print(styled.__name__)')" styled
 
 # The same as the next version; a configuration that the administrator changed stays as it is.
@@ -125,14 +126,14 @@ for deb in "$debs"/*.deb; do
   rm -rf "$work/unpacked"
 done
 quietly inside sh -c 'dpkg -i /debs/*+next*.deb'
-check "upgraded" "$(inside dpkg-query -W -f '${Version}\n' 'styled*' '*-styled' '*styled-client*' | grep -c '+next$')" "$count"
+check "upgraded" "$(inside dpkg-query -W -f '${Version}\n' 'styled*' '*-styled' 'libstyled*' | grep -c '+next$')" "$count"
 check "the changed configuration stayed" "$(tail -n 1 "$root/etc/styled/styled.toml")" "# mine"
 check "and so did performers' settings" "$(grep -c elderly "$root/var/lib/styled/performers.toml")" 1
 check "it still runs, in the same style" "$(runs '')" elderly
 
 [ -e "$root/var/lib/styled/keys/clients/anna.key" ] || allow
-remove() { quietly inside apt-get -q -y remove 'styled*' '*-styled' '*styled-client*'; }
-purge() { quietly inside sh -c 'dpkg --purge $(dpkg-query -W -f "\${Package} " "styled*" "*-styled" "*styled-client*" 2>/dev/null)'; }
+remove() { quietly inside apt-get -q -y remove 'styled*' '*-styled' 'libstyled*'; }
+purge() { quietly inside sh -c 'dpkg --purge $(dpkg-query -W -f "\${Package} " "styled*" "*-styled" "libstyled*" 2>/dev/null)'; }
 remove
 check "removed, configuration and settings stay" "$(ls "$root/etc/styled" "$root/var/lib/styled" | grep -c toml)" 2
 ls "$root/var/lib/styled" >"$work/state"

@@ -4,7 +4,9 @@
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"$1" --install "$4" --prefix "$work/usr" --component library >/dev/null
+for component in library library_dev; do
+  "$1" --install "$4" --prefix "$work/usr" --component "$component" >/dev/null
+done
 pc=$(find "$work/usr" -name libstyled.pc)
 libraries=$(dirname "$(dirname "$pc")")
 clip=$3/tests/parity/fixtures/synthetic.bvh
