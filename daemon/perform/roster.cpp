@@ -242,6 +242,12 @@ void Roster::Restore(std::vector<Profile> kept) {
   for (auto& profile : kept) {
     profile.configured = true;
     profile.next_sequence = first_sequence_;
+    std::vector<std::string> unknown;
+    (void)Resolve(profile.look, config_->network->model().styles, unknown);
+    for (const std::string& style : unknown) {
+      log_.push_back(profile.id + ": its style \"" + style +
+                     "\" of the last run is not here any more, and has no effect");
+    }
     Profile* const known = FindProfile(profile.id);
     Performer* const live = known == nullptr ? nullptr : LiveOf(*known);
     if (profile.id == "*") {
@@ -263,7 +269,7 @@ void Roster::RestoreLive(Performer& performer, Profile& saved) {
   profile.pinned = saved.pinned;
   profile.has_come = saved.has_come;
   profile.configured = true;
-  (void)performer.ApplyLook(*config_);  // lost styles were reported when they were lost
+  (void)performer.ApplyLook(*config_);  // Restore() reports styles that are lost
 }
 
 std::unique_ptr<std::vector<Profile>> Roster::Snapshot() const {

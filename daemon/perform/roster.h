@@ -73,7 +73,7 @@ class Roster {
   // Counts the hours, and removes expired profiles. Call about once a second; it acts once an hour.
   // Allocates.
   void Age(std::int64_t now_ns);
-  // Log lines of Add and Age since the last call.
+  // Log lines of Add, Restore and Age since the last call.
   std::vector<std::string> PopLog() { return std::exchange(log_, {}); }
   // Whether Snapshot() changed since the last call, apart from changes by control requests.
   bool PopChanged();

@@ -21,6 +21,7 @@ namespace {
 
 using runtime::Counter;
 using testing::HasSubstr;
+using testing::Not;
 constexpr std::int64_t kHour_ns = 3600 * runtime::kSecond_ns;
 
 class StillClock final : public runtime::Clock {
@@ -206,6 +207,20 @@ TEST_F(RosterTest, NamesThatSurvivedARestartAreReplaced) {
   EXPECT_TRUE(Knows("rig.anna"));
   EXPECT_TRUE(Knows("rig.ben"));
   EXPECT_EQ(Count(Counter::kPipelineNamesReplaced), 2U);
+}
+
+// As when the weights are others: the styles stay in the settings, for when they are here again.
+TEST_F(RosterTest, AStyleOfTheLastRunThatIsNotHereIsLogged) {
+  ASSERT_EQ(Set("rig.anna", "style4").code(), v1::CODE_OK);
+  ASSERT_EQ(Set("rig.ben", "style1").code(), v1::CODE_OK);
+  network_ = erd::RandomStylizer(3, 1);
+  Restart();
+  Pass(1);
+  const std::string log = Log();
+  EXPECT_THAT(log,
+              HasSubstr("rig.anna: its style \"style4\" of the last run is not here any more"));
+  EXPECT_THAT(log, Not(HasSubstr("rig.ben")));
+  EXPECT_EQ(Known()["rig.anna"], "style4");
 }
 
 TEST_F(RosterTest, TheLongestAbsentPerformerIsReplacedAndNoPinnedOne) {
