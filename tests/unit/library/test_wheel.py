@@ -9,9 +9,9 @@ import unittest
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), '../../..'))
 PROGRAM = '''
 import sys, styled
-clip = styled.restyle(sys.argv[1], 'elderly')
+clip = styled.restyle(sys.argv[1], sys.argv[2])
 assert styled.restyle(clip, 'zombie', weights='open').own_frames == 0
-clip.write('elderly.bvh')
+clip.write('out.bvh')
 print(styled.__file__, len(clip))
 '''
 
@@ -25,7 +25,13 @@ def run(*command, **options):
 
 class WheelTest(unittest.TestCase):
     def test_one_file_is_installed_and_restyles(self):
-        weights = [f'{ROOT}/model/weights/{name}.safetensors' for name in ('v2', 'open')]
+        self.check(('v2', 'open'), 'elderly', 'Apache-2.0 AND CC-BY-NC-4.0 AND CC-BY-4.0')
+
+    def test_with_the_weights_for_commercial_use_alone(self):
+        self.check(('open',), 'zombie', 'Apache-2.0 AND CC-BY-4.0')
+
+    def check(self, names, style, licence):
+        weights = [f'{ROOT}/model/weights/{name}.safetensors' for name in names]
         with tempfile.TemporaryDirectory(prefix='styled-wheel-') as folder:
             run(os.environ['STYLED_CMAKE'], f'-DPACKAGE={os.environ["PYTHONPATH"]}', f'-DWORK={folder}/work',
                 f'-DTO={folder}/made', f'-DLIBRARY={os.environ["STYLED_LIBRARY"]}', f'-DWEIGHTS={";".join(weights)}',
@@ -39,14 +45,15 @@ class WheelTest(unittest.TestCase):
             found = run('ldd', glob.glob(folder + '/venv/lib/*/site-packages/styled/libstyled.so.0')[0], env=clean)
             outside = [line for line in found.splitlines() if 'libhwy' in line and folder not in line]
             self.assertEqual(outside, [], 'what Debian alone has is in the wheel')
-            out = run(python, '-c', PROGRAM, ROOT + '/tests/parity/fixtures/synthetic.bvh', cwd=folder, env=clean)
+            out = run(python, '-c', PROGRAM, ROOT + '/tests/parity/fixtures/synthetic.bvh', style, cwd=folder,
+                      env=clean)
             where, frames = out.split()
             self.assertTrue(where.startswith(folder + '/venv/'), where)
             self.assertEqual(frames, '1002')
-            self.assertTrue(os.path.getsize(folder + '/elderly.bvh'))
+            self.assertTrue(os.path.getsize(folder + '/out.bvh'))
             metadata, = glob.glob(folder + '/venv/lib/*/site-packages/styled_mocap-*.dist-info/METADATA')
             with open(metadata, encoding='utf-8') as text:
-                self.assertIn('License: Apache-2.0 AND CC-BY-NC-4.0 AND CC-BY-4.0', text.read())
+                self.assertIn(f'License: {licence}\n', text.read())
 
 
 if __name__ == '__main__':
