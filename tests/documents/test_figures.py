@@ -13,7 +13,7 @@ from figures import FIGURES, WEIGHTS, fnv1a64, rows_of  # noqa: E402
 
 # Numbers of README.md that are not measured, each with its reason. Any other number is a figure.
 NOT_MEASURED = {
-    'Debian 12 or 13 or Ubuntu 24.04': 'names', 'Debian 12': 'a name', 'about 2015': 'a year', 'CVPR 2022': 'a year',
+    'Debian 12 or 13 or Ubuntu 24.04': 'names', 'Debian 12': 'a name', 'CVPR 2022': 'a year',
 }
 NUMBER = re.compile(r'(?<![\w.-])\d[\d.,]*\d?(?: (?:ms|s|Hz|%|cm/s|GB|MB|times|minutes))?(?![\w-])')
 
