@@ -5,8 +5,8 @@
  *
  * A network is loaded once and shared by all performers. A performer is one stream of poses of one
  * skeleton: any skeleton, in its own units and axes, as the daemon accepts it. The result is the
- * same skeleton's pose in the style: except for the last bits of a rotation it is the pose that a
- * daemon with default settings publishes.
+ * same skeleton's pose in the style, bit for bit that which a daemon of the same build with default
+ * settings publishes.
  *
  * Conventions. Right-handed axes; rotations are quaternions x, y, z, w, relative to the joint's
  * parent; joint 0 is the root, and parents precede their children. Time is in nanoseconds from any
