@@ -52,7 +52,7 @@ Result<styled_clip*> Made(styled::clip::Clip clip,
   return made.release();
 }
 
-Result<styled_clip*> Bound(styled::clip::Clip clip, styled::clip::BindOptions options) {
+Result<styled_clip*> Bound(styled::clip::Clip clip, const styled::clip::BindOptions& options) {
   auto bound = styled::clip::BindClip(clip, options);
   if (!bound.ok()) return bound.status();
   return Made(std::move(clip),

@@ -171,7 +171,7 @@ void RestThumbs(const Skeleton& skeleton, std::vector<Quat>& rest) {
                                      std::pair{kTailRightThumb, kRokokoRightThumb}}) {
     std::vector<bool> turned(rest.size(), false);
     for (int i = 0; i < kFingerJoints; ++i) {
-      const int joint = tail[static_cast<std::size_t>(begin + i)];
+      const int joint = tail[static_cast<std::size_t>(begin) + static_cast<std::size_t>(i)];
       if (joint < 0) continue;
       const RestRow& row = i == 0 ? thumb.first : thumb.others;
       rest[joint] = Quat(row.w, row.x, row.y, row.z).normalized();

@@ -100,7 +100,8 @@ Binding WithFingers(const Binding& binding, const TailSet& wanted) {
     spec.rest_rotations.push_back(rest);
   }
   auto grown = Binding::Make(std::move(spec));
-  return grown.ok() ? std::move(grown.value()) : binding;
+  if (!grown.ok()) return binding;
+  return std::move(grown.value());
 }
 
 Result<BindingSpec> BindHands(const Skeleton& skeleton, const std::vector<Quat>& rest,

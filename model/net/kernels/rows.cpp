@@ -310,7 +310,8 @@ PackedColumns::PackedColumns(std::span<const int> depths, int columns)
 float& PackedColumns::At(std::size_t term, int column, int channel) {
   assert(column >= 0 && column < columns_ && channel >= 0 && channel < depths_[term]);
   const std::size_t panel = static_cast<std::size_t>(column / kRowPanel);
-  const std::size_t deep = static_cast<std::size_t>(begins_[term] + channel);
+  const std::size_t deep =
+      static_cast<std::size_t>(begins_[term]) + static_cast<std::size_t>(channel);
   return values_.data()[(panel * static_cast<std::size_t>(depth_) + deep) * kRowPanel +
                         static_cast<std::size_t>(column % kRowPanel)];
 }
