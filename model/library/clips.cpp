@@ -67,7 +67,7 @@ Result<styled_clip*> Read(const char* file, const char* const* joints) {
   if (!clip.ok()) return clip.status();
   styled::clip::BindOptions options;
   options.joints = std::move(given.value());
-  auto made = Bound(std::move(clip.value()), std::move(options));
+  auto made = Bound(std::move(clip.value()), options);
   if (made.ok()) return made;
   return Status::Error(std::string(file) + ": " + made.status().message());
 }
@@ -114,7 +114,7 @@ Result<styled_clip*> Make(const styled_body* body, double rate_hz, std::size_t f
     styled::clip::BindOptions options;
     options.dialect = described.dialect;
     options.joints = std::move(read.value().joints);
-    return Bound(std::move(clip), std::move(options));
+    return Bound(std::move(clip), options);
   }
   auto bound = styled::rig::BindBody(described, read.value().joints);
   if (!bound.ok()) return bound.status();
