@@ -76,7 +76,7 @@ if [ ! -x "$root/build/release/bin/stylize" ]; then
 elif [ ! -x "$root/build/arm64/bin/stylize" ]; then
   echo "a styled clip: skipped, stylize is not among the targets"
 else
-  options=(--weights model/weights/v2.safetensors --style elderly)
+  options=(--overwrite --weights model/weights/v2.safetensors --style elderly)
   (cd "$root" && build/release/bin/stylize "${options[@]}" "$clip" build/arm64/here.bvh >/dev/null)
   inside "qemu-aarch64 build/arm64/bin/stylize ${options[*]} $clip build/arm64/there.bvh >/dev/null"
   printf 'a styled clip, here and on ARM64: '
