@@ -68,7 +68,7 @@ echo "built in $((SECONDS - begun)) s"
 inside "ctest --test-dir build/arm64 -j2 -L '^unit\$' -E _NOT_BUILT --output-on-failure --output-junit arm64.xml" \
   >"$chroots/tests.log" 2>&1 || { bad=1; sed -n '/tests FAILED/,$p' "$chroots/tests.log"; }
 grep 'tests passed' "$chroots/tests.log" || bad=1
-python3 -B "$root/tests/skipped.py" "$root/build/arm64/arm64.xml"
+python3 -B "$root/tests/outcomes.py" "$root/build/arm64/arm64.xml"
 
 clip=tests/parity/fixtures/synthetic.bvh
 if [ ! -x "$root/build/release/bin/stylize" ]; then

@@ -63,7 +63,7 @@ run_ctest() {  # run_ctest NAME PRESET [ctest options]: adds its counts to passe
     tail -n 30 "$log"
     return 1
   fi
-  python3 -B tests/skipped.py "build/$1.xml"
+  python3 -B tests/outcomes.py "build/$1.xml"
   missed=$(grep -c '\*\*\*Skipped' "$log" || true)
   skipped=$((skipped + missed))
   passed=$((passed + total - bad - missed))
@@ -77,7 +77,6 @@ run_ctest() {  # run_ctest NAME PRESET [ctest options]: adds its counts to passe
   fi
   failed=$((failed + bad - 1))  # step counts one
   sed -n '/The following tests FAILED/,$p' "$log"
-  grep -h -B2 -A12 "Failure$" "$log" | head -n 120
   return 1
 }
 
