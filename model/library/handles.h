@@ -29,8 +29,9 @@ inline constexpr std::uint64_t kStateVersion = 1;  // of styled_save
 
 struct styled_network {
   std::shared_ptr<const styled::net::Stylizer> stylizer;
-  std::uint64_t hash;        // of the file and the precision
-  styled::net::Terms terms;  // of the file
+  std::uint64_t hash;                 // of the file, the precision, and the styles of styled_like
+  styled::net::Terms terms;           // of the file
+  std::vector<std::uint64_t> former;  // hashes of the networks that styled_like began with
   const styled::net::Styles& styles() const { return stylizer->model().styles; }
   const styled::net::StyleInfo* Find(int style) const {
     const bool known = style >= 0 && static_cast<std::size_t>(style) < styles().size();
@@ -44,20 +45,22 @@ struct styled_performer {
   std::optional<styled::stylist::Stylist> stylist;
   styled::rig::RigPose in;
   styled::stylist::Output out;
-  std::uint64_t identity;  // of the weights, their precision and the skeleton
+  std::uint64_t network_hash;
+  std::uint64_t identity;  // of the network and the skeleton
   std::int64_t last_ns = 0;
   bool started = false;
 
   styled_performer(std::shared_ptr<const styled::net::Stylizer> the_network,
-                   std::shared_ptr<const styled::rig::Binding> the_binding,
-                   std::uint64_t the_identity)
+                   std::shared_ptr<const styled::rig::Binding> the_binding, std::uint64_t the_hash)
       : network(std::move(the_network)),
         binding(std::move(the_binding)),
         in(binding->skeleton()),
-        out(binding->skeleton()),
-        identity(the_identity) {
+        out(binding->skeleton()) {
+    Become(the_hash);
     Restart();
   }
+  // A state is for a performer of this network and this skeleton alone.
+  void Become(std::uint64_t hash);
   void Restart() {
     styled::stylist::Stylist fresh(network, binding, styled::stylist::Options{});  // may throw
     stylist = std::move(fresh);

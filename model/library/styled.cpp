@@ -121,21 +121,7 @@ Result<styled_network*> Load(const char* weights, const std::string& precision) 
   hash.Text(bytes.value());
   hash.Text(precision);
   auto terms = styled::net::ReadTerms(file.value(), network.value()->model().licence);
-  return new styled_network{std::move(network.value()), hash.value(), std::move(terms)};
-}
-
-// A state is for a performer of this network and this skeleton alone.
-std::uint64_t Identity(std::uint64_t network, const styled::rig::BindingSpec& spec) {
-  styled::Fnv1a hash;
-  hash.Bytes(&network, sizeof network);
-  for (std::size_t j = 0; j < spec.skeleton.names.size(); ++j) {
-    hash.Text(spec.skeleton.names[j]);
-    hash.Byte(0);
-    hash.Number(spec.skeleton.parents[j]);
-    hash.Bytes(spec.skeleton.offsets[j].data(), 3 * sizeof(float));
-    hash.Bytes(spec.rest_rotations[j].coeffs().data(), 4 * sizeof(float));
-  }
-  return hash.value();
+  return new styled_network{std::move(network.value()), hash.value(), std::move(terms), {}};
 }
 
 Result<styled_performer*> Create(const styled_network* network, const styled_body* body) {
@@ -144,11 +130,25 @@ Result<styled_performer*> Create(const styled_network* network, const styled_bod
   if (!read.ok()) return read.status();
   auto bound = styled::rig::BindBody(read.value().body, read.value().joints);
   if (!bound.ok()) return bound.status();
-  return new styled_performer(network->stylizer, bound.value().binding,
-                              Identity(network->hash, bound.value().binding->spec()));
+  return new styled_performer(network->stylizer, bound.value().binding, network->hash);
 }
 
 }  // namespace
+
+void styled_performer::Become(std::uint64_t hash) {
+  network_hash = hash;
+  const styled::rig::BindingSpec& spec = binding->spec();
+  styled::Fnv1a all;
+  all.Bytes(&hash, sizeof hash);
+  for (std::size_t j = 0; j < spec.skeleton.names.size(); ++j) {
+    all.Text(spec.skeleton.names[j]);
+    all.Byte(0);
+    all.Number(spec.skeleton.parents[j]);
+    all.Bytes(spec.skeleton.offsets[j].data(), 3 * sizeof(float));
+    all.Bytes(spec.rest_rotations[j].coeffs().data(), 4 * sizeof(float));
+  }
+  identity = all.value();
+}
 
 extern "C" {
 

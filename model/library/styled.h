@@ -170,6 +170,20 @@ STYLED_API int styled_write_clip(const styled_clip* clip, const char* file, char
  * no use for a neutral. */
 STYLED_API int styled_learn(styled_performer* performer, const styled_clip* clip);
 
+/* Makes a style from an example: a network with the same styles, by the same numbers, and as its
+ * last one the style `name` as `example` shows it, best 3 s or more of a walk or run. `neutral`, or
+ * NULL, is a clip in which the same person does the same in their own way: then only what differs
+ * is the style. Where the weights measure a clip rather than encode it, only the clip's own terms
+ * apply to the style (styled_style_licence). `network` stays as it is; both are released by their
+ * user, and share the weights. Any thread; up to seconds. NULL on failure: the name is taken or
+ * empty, the weights know only their list of styles (v2), or the example shows no style. */
+STYLED_API styled_network* styled_like(const styled_network* network, const char* name,
+                                       const styled_clip* example, const styled_clip* neutral,
+                                       char* error, size_t error_size);
+/* The performer continues without a jump by a network that styled_like has made, in one step or in
+ * several, from theirs: styled_set then takes its styles. STYLED_ERROR_ARGUMENT: by another one. */
+STYLED_API int styled_adopt(styled_performer* performer, const styled_network* network);
+
 #ifdef __cplusplus
 }
 #endif

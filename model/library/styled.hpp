@@ -110,6 +110,8 @@ class BodyView {
 };
 }  // namespace detail
 
+class Clip;
+
 class Network {
  public:
   // Empty: as styled_load's NULL.
@@ -135,9 +137,12 @@ class Network {
   }
   std::string Licence(int style) const { return Text(styled_style_licence(get(), style)); }
   std::string Credit(int style) const { return Text(styled_style_credit(get(), style)); }
+  // The same styles, and last of them `name` as the example shows it.
+  Network Like(const std::string& name, const Clip& example, const Clip* neutral = nullptr) const;
   const styled_network* get() const { return handle_.get(); }
 
  private:
+  explicit Network(styled_network* handle) : handle_(handle) {}
   static std::string Text(const char* text) { return text == nullptr ? "" : text; }
   detail::Owned<styled_network, styled_release> handle_;
 };
@@ -200,6 +205,14 @@ class Clip {
   detail::Owned<styled_clip, styled_free_clip> handle_;
 };
 
+inline Network Network::Like(const std::string& name, const Clip& example,
+                             const Clip* neutral) const {
+  return Network(detail::Made([&](char* error, std::size_t size) {
+    return styled_like(get(), name.c_str(), example.get(),
+                       neutral == nullptr ? nullptr : neutral->get(), error, size);
+  }));
+}
+
 class Performer {
  public:
   Performer(const Network& network, const Body& body)
@@ -239,6 +252,11 @@ class Performer {
   void Learn(const Clip& clip) {
     detail::Check(styled_learn(handle_.get(), clip.get()),
                   "found no standing or walking in the clip, or a network without neutral");
+  }
+  // By a network that Like has made from this one; the motion continues.
+  void Adopt(const Network& network) {
+    detail::Check(styled_adopt(handle_.get(), network.get()),
+                  "network: expected one that Like has made from the performer's");
   }
   std::vector<std::byte> Save() {
     std::vector<std::byte> bytes(styled_save(handle_.get(), nullptr, 0));

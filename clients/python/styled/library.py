@@ -18,6 +18,7 @@ from styled.errors import Error
 _NAME = 'libstyled.so.0'
 _ERROR_TIME = -2
 _Style = Union[str, Mapping[str, float]]
+_Motion = Union[str, 'os.PathLike[str]', 'Clip']
 
 
 class LibraryError(Error):
@@ -43,6 +44,7 @@ _FUNCTIONS = {  # of styled.h: the result, then the arguments
     'set': [_INT, _HANDLE, *_MIX, ctypes.c_float],
     'frame': [_INT, _HANDLE, ctypes.c_int64, _FLOATS, _FLOATS, _FLOATS, _FLOATS, ctypes.POINTER(ctypes.c_uint32)],
     'reset': [_INT, _HANDLE], 'calibrate': [_INT, _HANDLE, ctypes.c_float], 'learn': [_INT, _HANDLE, _HANDLE],
+    'like': [_HANDLE, _HANDLE, _TEXT, _HANDLE, _HANDLE, _TEXT, _SIZE], 'adopt': [_INT, _HANDLE, _HANDLE],
     'read_clip': [_HANDLE, _TEXT, _STRINGS, _TEXT, _SIZE],
     'make_clip': [_HANDLE, _BODY, ctypes.c_double, _SIZE, _FLOATS, _FLOATS, _TEXT, _SIZE],
     'copy_clip': [_HANDLE, _HANDLE], 'free_clip': [None, _HANDLE], 'clip_body': [_BODY, _HANDLE],
@@ -105,10 +107,23 @@ class Network:
 
     def __init__(self, weights: Optional[str] = None, precision: str = 'float32') -> None:
         path = None if weights is None else os.fsencode(weights)
-        self._handle = _call('load', path, precision.encode())
-        self._finalizer = weakref.finalize(self, _library().styled_release, self._handle)
+        self._adopt(_call('load', path, precision.encode()))
+
+    def _adopt(self, handle: int) -> None:
+        self._handle = handle
+        self._finalizer = weakref.finalize(self, _library().styled_release, handle)
         count = _library().styled_style_count(self._handle)
         self.styles: List[str] = [_library().styled_style_name(self._handle, i).decode() for i in range(count)]
+
+    def like(self, name: str, example: _Motion, neutral: Optional[_Motion] = None) -> 'Network':
+        """Another network, with the same styles and the style `name` as a BVH file or a Clip shows it.
+
+        neutral: the same person moves in their own way; then only what differs is the style. Needs weights that
+        know more than a list of styles: 'open', not 'v2'."""
+        clips = [clip if clip is None or isinstance(clip, Clip) else Clip.read(clip) for clip in (example, neutral)]
+        made = Network.__new__(Network)
+        made._adopt(_call('like', self._handle, name.encode(), *[clip and clip._handle for clip in clips]))
+        return made
 
     def licence(self, style: str) -> str:
         """The terms under which a style may be used."""
@@ -275,6 +290,12 @@ class Performer:
                 "a time after the last frame's" if result == _ERROR_TIME else 'less than 73 years'))
         return root, rotations
 
+    def adopt(self, by: Network) -> None:
+        """The motion continues by a network that like() has made from the performer's; set() then takes its styles."""
+        if _library().styled_adopt(self._handle, by._handle) != 0:
+            raise ValueError("adopt: expected a network that like() has made from the performer's")
+        self._network = by
+
     def reset(self) -> None:
         """Before another take: the next frame's time may be anything."""
         _library().styled_reset(self._handle)
@@ -290,7 +311,7 @@ class Performer:
             raise LibraryError('learn: found no standing or walking in the clip, or weights that need none')
 
 
-def restyle(clip: Union[str, 'os.PathLike[str]', Clip], style: _Style, *, weights: Optional[str] = None,
+def restyle(clip: _Motion, style: _Style, *, weights: Optional[str] = None,
             precision: str = 'float32', joints: Sequence[str] = ()) -> Clip:
     """A BVH file or a Clip in a style, as the program `stylize` does it; the input does not change.
 

@@ -1,6 +1,8 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -218,6 +220,127 @@ TEST_F(LibraryClipsTest, APerformerIsCalibrated) {
   EXPECT_NE(before, after);
   EXPECT_EQ(styled_learn(performer, nullptr), STYLED_ERROR_ARGUMENT);
   styled_destroy(performer);
+}
+
+// The style of an example: the performer restyled in a style of the weights, beside their own way.
+class LibraryLikeTest : public LibraryClipsTest {
+ protected:
+  using Network = std::unique_ptr<styled_network, decltype(&styled_release)>;
+  LibraryLikeTest() {
+    const std::int32_t style = styled_find_style(open_.get(), "zombie");
+    const float weight = 1;
+    EXPECT_EQ(styled_restyle(open_.get(), example_.get(), &style, &weight, 1, nullptr, 0), 0);
+  }
+  Network Like(const char* name, const Clip& example, const Clip& neutral) {
+    styled_network* const made =
+        styled_like(open_.get(), name, example.get(), neutral.get(), error_.data(), error_.size());
+    EXPECT_EQ(made == nullptr, error_[0] != '\0');
+    return {made, styled_release};
+  }
+  // Another take of the performer in the last style of a network.
+  Motion InLast(const Network& network) const {
+    const Clip clip = Make(MotionAt(60, 3), 60);
+    const std::int32_t style = styled_style_count(network.get()) - 1;
+    const float weight = 1;
+    EXPECT_EQ(styled_restyle(network.get(), clip.get(), &style, &weight, 1, nullptr, 0), 0);
+    return FramesOf(clip);
+  }
+
+  Network open_{styled_load(STYLED_SHIPPED "/open.safetensors", "float32", nullptr, 0),
+                styled_release};
+  Clip own_ = Make(MotionAt(60, 6), 60), example_ = Make(MotionAt(60, 6), 60);
+  std::array<char, 300> error_{};
+};
+
+TEST_F(LibraryLikeTest, AnExampleBecomesTheLastStyle) {
+  const Network made = Like("mine", example_, own_);
+  ASSERT_NE(made, nullptr) << error_.data();
+  const int count = styled_style_count(open_.get());
+  EXPECT_EQ(styled_style_count(made.get()), count + 1);
+  EXPECT_EQ(styled_find_style(made.get(), "mine"), count);
+  EXPECT_EQ(styled_find_style(open_.get(), "mine"), -1) << "the network itself stays as it is";
+  EXPECT_STREQ(styled_style_name(made.get(), 1), styled_style_name(open_.get(), 1));
+  EXPECT_STREQ(styled_style_licence(made.get(), count), "that of the example");
+  const Network none = Like("mine", own_, own_);
+  ASSERT_NE(none, nullptr) << error_.data();
+  const Motion own = MotionAt(60, 3);
+  const double nothing_deg = Apart_deg(InLast(none), own), shown_deg = Apart_deg(InLast(made), own);
+  EXPECT_GT(shown_deg, 20);
+  EXPECT_LT(nothing_deg, shown_deg / 4) << "an example that is the performer's own way";
+}
+
+TEST_F(LibraryLikeTest, APerformerContinuesWithTheNewStyle) {
+  const Network made = Like("mine", example_, own_), again = Like("mine", example_, own_);
+  ASSERT_NE(made, nullptr) << error_.data();
+  const Motion motion = MotionAt(60, 4);
+  const auto create = [&] {
+    return std::unique_ptr<styled_performer, decltype(&styled_destroy)>(
+        styled_create(open_.get(), &body_, nullptr, 0), styled_destroy);
+  };
+  const auto first = create(), second = create();
+  const std::int32_t old = styled_find_style(open_.get(), "zombie");
+  const float weight = 1;
+  std::vector<float> root(3), one(4 * names_.size()), other(one);
+  for (std::size_t i = 0; i < motion.root.size() / 3; ++i) {
+    if (i == 60) {
+      for (const auto* performer : {&first, &second}) {
+        ASSERT_EQ(styled_set(performer->get(), &old, &weight, 1, 0.1F), STYLED_OK);
+      }
+    }
+    if (i == 120) {
+      ASSERT_EQ(styled_adopt(second.get(), made.get()), STYLED_OK);
+      ASSERT_EQ(styled_adopt(second.get(), made.get()), STYLED_OK) << "a second time";
+    }
+    if (i == 180) {
+      const std::int32_t last = styled_style_count(made.get()) - 1;
+      EXPECT_EQ(styled_set(first.get(), &last, &weight, 1, 0.1F), STYLED_ERROR_ARGUMENT);
+      EXPECT_EQ(styled_set(second.get(), &last, &weight, 1, 0.1F), STYLED_OK);
+    }
+    const auto time_ns = static_cast<std::int64_t>(static_cast<double>(i) / 60 * 1e9);
+    const float* const pose = &motion.rotations[4 * names_.size() * i];
+    ASSERT_EQ(styled_frame(first.get(), time_ns, &motion.root[3 * i], pose, root.data(), one.data(),
+                           nullptr),
+              STYLED_OK);
+    ASSERT_EQ(styled_frame(second.get(), time_ns, &motion.root[3 * i], pose, root.data(),
+                           other.data(), nullptr),
+              STYLED_OK);
+    if (i < 180) ASSERT_EQ(one, other) << i;
+  }
+  EXPECT_NE(one, other);
+  // A state belongs to the network; the same example of the same name makes the same one.
+  std::vector<char> state(styled_save(second.get(), nullptr, 0));
+  styled_save(second.get(), state.data(), state.size());
+  EXPECT_EQ(styled_restore(first.get(), state.data(), state.size()), STYLED_ERROR_STATE);
+  const auto third = create();
+  ASSERT_EQ(styled_adopt(third.get(), again.get()), STYLED_OK);
+  EXPECT_EQ(styled_restore(third.get(), state.data(), state.size()), STYLED_OK);
+  EXPECT_EQ(styled_adopt(third.get(), open_.get()), STYLED_ERROR_ARGUMENT) << "not back";
+  EXPECT_EQ(styled_adopt(third.get(), network_), STYLED_ERROR_ARGUMENT) << "other weights";
+  EXPECT_EQ(styled_adopt(nullptr, made.get()), STYLED_ERROR_ARGUMENT);
+}
+
+TEST_F(LibraryLikeTest, WhatMakesNoStyleIsSaid) {
+  const std::string long_name(33, 'a');
+  const Clip none{nullptr, styled_free_clip};
+  const Clip brief = Make(MotionAt(60, 0), 60);
+  struct Case {
+    const char* name;
+    const Clip* example;
+    const char* reason;
+  };
+  for (const Case& one :
+       {Case{"zombie", &example_, "name: found \"zombie\", which the network has"},
+        Case{"", &example_, "name: found none"}, Case{nullptr, &example_, "name: found none"},
+        Case{long_name.c_str(), &example_, "name: expected at most 32 bytes"},
+        Case{"a\nb", &example_, "name: expected at most 32 bytes"},
+        Case{"mine", &none, "expected a network and an example"},
+        Case{"mine", &brief, "example: found "}}) {
+    EXPECT_EQ(Like(one.name, *one.example, none), nullptr);
+    EXPECT_THAT(error_.data(), testing::HasSubstr(one.reason));
+  }
+  EXPECT_EQ(styled_like(network_, "mine", example_.get(), nullptr, error_.data(), error_.size()),
+            nullptr);
+  EXPECT_THAT(error_.data(), testing::HasSubstr("have no style encoder"));
 }
 
 TEST_F(LibraryClipsTest, WhatIsWrongIsSaid) {

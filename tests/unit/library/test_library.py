@@ -89,6 +89,28 @@ class LibraryTest(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, 'seconds: found 99'):
             performer.calibrate(99)
 
+    def test_an_example_becomes_a_style(self):
+        by = styled.Network('open')
+        example = self.clip.restyled('zombie', by)
+        made = by.like('mine', example, CLIP)
+        self.assertEqual(made.styles, by.styles + ['mine'])
+        self.assertEqual(made.licence('mine'), 'that of the example')
+        styled_clip = self.clip.restyled('mine', made)
+        self.assertGreater(angles(styled_clip.rotations, self.clip.rotations).mean(), 5)
+        performer = styled.Performer(self.clip, 'zombie', by)
+        performer.frame(0, self.clip.root[0], self.clip.rotations[0])
+        with self.assertRaisesRegex(ValueError, "unknown style 'mine'"):
+            performer.set('mine')
+        performer.adopt(made)
+        performer.set('mine')
+        performer.frame(1 / 30, self.clip.root[1], self.clip.rotations[1])
+        with self.assertRaisesRegex(ValueError, "that like\\(\\) has made from the performer's"):
+            performer.adopt(by)
+        with self.assertRaisesRegex(styled.LibraryError, 'found "zombie", which the network has'):
+            by.like('zombie', example)
+        with self.assertRaisesRegex(styled.LibraryError, 'no style encoder'):
+            styled.Network('v2').like('mine', example)
+
     def test_other_threads_run_meanwhile(self):
         # The file is a pipe, which a second thread writes while the library waits for it.
         with tempfile.TemporaryDirectory() as folder, open(CLIP, 'rb') as file:

@@ -6,9 +6,9 @@ import re
 import subprocess
 import sys
 
-# Of version 0.1.0. A program that uses them must still run: functions are only added.
-PROMISED = """styled_calibrate styled_clip_body styled_clip_frames styled_clip_length styled_copy_clip styled_create
-styled_destroy styled_find_style styled_frame styled_free_clip styled_learn styled_load styled_make_clip
+# Of versions 0.1.0 and 0.2.0. A program that uses them must still run: functions are only added.
+PROMISED = """styled_adopt styled_calibrate styled_clip_body styled_clip_frames styled_clip_length styled_copy_clip styled_create
+styled_destroy styled_find_style styled_frame styled_free_clip styled_learn styled_like styled_load styled_make_clip
 styled_read_clip styled_release styled_reset styled_restore styled_restyle styled_save styled_set styled_style_count
 styled_style_credit styled_style_licence styled_style_name styled_version styled_write_clip""".split()
 
