@@ -322,10 +322,15 @@ Status Commands::Pin(const v1::Request& request, v1::Reply& reply) {
 }
 
 void Commands::Panic(v1::Reply& reply) {
+  v1::Look whole;
+  whole.set_clear(true);
+  whole.set_vary(0);
+  whole.set_vary_each(false);
+  whole.set_drift_s(0);
+  whole.add_parts(v1::BODY_PART_ALL);
   const auto clear = [&](Profile& profile) {
-    v1::Look bypass;
-    bypass.set_clear(true);
-    styled::Apply(bypass, profile.look);
+    styled::Apply(whole, profile.look);
+    if (profile.look.strength() == 0 || profile.look.strength() > 1) profile.look.set_strength(1);
     profile.configured = true;
     Performer* const live = roster_.LiveOf(profile);
     if (live != nullptr) (void)live->ApplyLook(roster_.config());
