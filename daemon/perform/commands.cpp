@@ -378,24 +378,26 @@ Status Commands::Fire(const v1::Cue& wanted, v1::Reply& reply) {
                  roster_.config().cues.empty() ? "no cues are configured" : reason);
 }
 
-std::string Commands::FireCues(Performer& performer, const Timecode& timecode) {
+Commands::Cues Commands::FireCues(Performer& performer, const Timecode& timecode) {
   const std::int64_t now = TimecodeLabel(timecode);
   const auto last = std::exchange(performer.timecode, now);
-  std::string fired;
-  if (last == now) return fired;
+  Cues cues;
+  if (last == now) return cues;
+  const auto append = [](std::string& text, const std::string& part) {
+    text += (text.empty() ? "" : ", ") + part;
+  };
   for (const Cue& cue : roster_.config().cues) {
     if (!cue.at || !Passes(*cue.at, last, now)) continue;
     if (cue.performer != "*" && cue.performer != performer.profile.id) continue;
     v1::Reply reply;
     const Status status = FireOne(cue, performer.profile.id, reply);
-    fired += (fired.empty() ? "cue " : ", cue ") + cue.name;
-    if (status.code() == int{v1::CODE_PINNED}) {
-      fired += " (pinned, not changed)";
-    } else if (!status.ok()) {
-      fired += " (" + status.message() + ")";
+    if (status.ok()) {
+      append(cues.fired, "cue " + cue.name);
+    } else {
+      append(cues.refused, status.message());  // names the cue and the performer
     }
   }
-  return fired;
+  return cues;
 }
 
 Status Commands::Reset(const v1::Request& request, v1::Reply& reply) {

@@ -30,9 +30,14 @@ class Commands {
   // Applies RenameStyle and RemoveStyle to the looks of all performers, present and future. Call
   // before the configuration is adopted. Ignores other requests.
   void FollowStyles(const v1::Request& request, v1::Reply& reply);
+  // Texts for the log that name cues; "": there was none.
+  struct Cues {
+    std::string fired;
+    std::string refused;  // those that left the performer as they were, with the reasons
+  };
   // Fires the cues that the performer's timecode passed since its last frame; they take effect with
-  // the current frame. Returns a text for the log that names them; "": there was none.
-  std::string FireCues(Performer& performer, const Timecode& timecode);
+  // the current frame.
+  Cues FireCues(Performer& performer, const Timecode& timecode);
   // Whether settings changed since the last call and must be saved.
   bool PopChanged() { return std::exchange(changed_, false); }
   void MarkChanged() { changed_ = true; }

@@ -283,12 +283,17 @@ void FrameProcessor::PassCues(Performer& performer, const Timecode& timecode,
     return;
   }
   StyleAccepted(hot);  // the frames before the cue
-  const std::string fired = performance_.commands.FireCues(performer, timecode);
-  if (!fired.empty()) {
+  const Commands::Cues cues_passed = performance_.commands.FireCues(performer, timecode);
+  if (!cues_passed.fired.empty()) {
     performance_.counters.Add(Counter::kPipelineCues);
     performance_.events.LogOf(
         LogLimit::Kind::kCue, {}, performer.profile.id, Event::Level::kInfo,
-        fired + " from frame " + std::to_string(performer.profile.next_sequence));
+        cues_passed.fired + " from frame " + std::to_string(performer.profile.next_sequence));
+  }
+  if (!cues_passed.refused.empty()) {
+    performance_.counters.Add(Counter::kPipelineCuesRefused);
+    performance_.events.LogOf(LogLimit::Kind::kCueRefused, {}, performer.profile.id,
+                              Event::Level::kWarning, "not changed by " + cues_passed.refused);
   }
   hot.Enter();
 }

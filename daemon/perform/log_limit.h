@@ -26,6 +26,7 @@ class LogLimit {
     kBodyBound,
     kForgotten,
     kCue,
+    kCueRefused,
     kFacing,
     kFace,
     kFingers,

@@ -67,6 +67,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelineNamesExpired, "pipeline.names_expired"},
     {Counter::kPipelineCommands, "pipeline.commands"},
     {Counter::kPipelineCues, "pipeline.cues"},
+    {Counter::kPipelineCuesRefused, "pipeline.cues_refused"},
     {Counter::kPipelinePrewarmed, "pipeline.prewarmed"},
     {Counter::kPipelineOverBudget, "pipeline.over_budget_cycles"},
     {Counter::kPipelineOverBudgetFrames, "pipeline.over_budget_frames", true},

@@ -76,6 +76,7 @@ enum class Counter : std::uint8_t {
   kPipelineNamesExpired,   // stored settings dropped because their performer never arrived
   kPipelineCommands,
   kPipelineCues,
+  kPipelineCuesRefused,
   kPipelinePrewarmed,         // frames whose data was brought into the caches beforehand
   kPipelineOverBudget,        // cycles longer than a frame's period at 120 Hz
   kPipelineOverBudgetFrames,  // frames that left later than a period of their rig after they
