@@ -38,6 +38,12 @@ int VariedStyle(const net::Styles& styles, int style) {
   return style == 0 ? 0 : net::VaryingStyle(styles, style);
 }
 
+// The style that is shown for one of the look's mix.
+int ShownStyle(const v1::Look& look, const net::Styles& styles, int style) {
+  const int varied = RequestsVariations(look) ? VariedStyle(styles, style) : style;
+  return varied < 0 ? style : varied;
+}
+
 // 0, or 1 .. net::kVariations.
 int VariationOf(const v1::Look& look, std::string_view performer) {
   const auto given = static_cast<int>(look.vary());
@@ -101,22 +107,28 @@ stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
       unknown.push_back(entry.style());
       continue;
     }
-    const int varied = RequestsVariations(look) ? VariedStyle(styles, index) : index;
-    mix.Add(index, varied < 0 ? index : varied, entry.weight());
+    mix.Add(index, ShownStyle(look, styles, index), entry.weight());
   }
   return settings;
 }
 
-Status CheckVariations(const v1::Look& look, const net::Styles& styles) {
-  if (!RequestsVariations(look)) return Status::Ok();
+std::string NotVaried(const v1::Look& look, const net::Styles& styles) {
+  if (!RequestsVariations(look)) return "";
   for (const auto& entry : look.mix()) {
     const int index = net::FindStyle(styles, entry.style());
-    if (index < 0 || VariedStyle(styles, index) >= 0) continue;
-    return Status::Error("\"" + entry.style() +
-                         "\" has no variations; expected vary 0, vary_each false and drift_s 0, or "
-                         "weights that have a style encoder");
+    if (index >= 0 && VariedStyle(styles, index) < 0) return entry.style();
   }
-  return Status::Ok();
+  return "";
+}
+
+std::vector<std::string> NetworksOf(const v1::Look& look, const net::Styles& styles) {
+  std::vector<std::string> networks;
+  for (const auto& entry : look.mix()) {
+    const int index = net::FindStyle(styles, entry.style());
+    networks.emplace_back(
+        index < 0 ? "" : styles[static_cast<std::size_t>(ShownStyle(look, styles, index))].model);
+  }
+  return networks;
 }
 
 Status ProperNames(const net::Styles& styles, v1::Look& change) {
@@ -153,8 +165,7 @@ Status LookUp(const std::string& name, const std::vector<config::Preset>& preset
   std::vector<std::string> unknown;
   const auto error =
       stylist::Validate(Resolve(look, styles, unknown), static_cast<int>(styles.size()));
-  if (error != stylist::SettingsError::kNone) return Status::Error(Explain(error));
-  return CheckVariations(look, styles);
+  return error == stylist::SettingsError::kNone ? Status::Ok() : Status::Error(Explain(error));
 }
 
 bool ReplaceStyle(const std::string& name, const std::string& to, v1::Look& look) {

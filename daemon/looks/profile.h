@@ -64,9 +64,13 @@ struct Profile {
 stylist::Settings Resolve(const v1::Look& look, const net::Styles& styles,
                           std::vector<std::string>& unknown, std::string_view performer = {});
 
-// Whether the look can be shown in the variations that it asks for. The error names the first style
-// of its mix for which no network has any.
-Status CheckVariations(const v1::Look& look, const net::Styles& styles);
+// The first style of the mix that is shown as it is, although the look asks for variations, because
+// no network has any of it; "": none.
+std::string NotVaried(const v1::Look& look, const net::Styles& styles);
+
+// For each style of the mix, in its order, the network that shows it (StyleInfo.model); "": unknown
+// style, or only one network.
+std::vector<std::string> NetworksOf(const v1::Look& look, const net::Styles& styles);
 
 // The preset of that name, or null.
 const config::Preset* FindPreset(std::string_view name, const std::vector<config::Preset>& presets);

@@ -206,12 +206,13 @@ void Commands::List(v1::Reply& reply) const {
   }
 }
 
-void Commands::Applied(const Profile& profile, const Performer* live, v1::Reply& reply) {
+void Commands::Applied(const Profile& profile, const Performer* live, v1::Reply& reply) const {
   auto& applied = *reply.add_applied();
   applied.set_performer(profile.id);
   applied.set_first_sequence(profile.next_sequence);
   applied.set_absent(live == nullptr);
   applied.set_no_strength(profile.look.strength() == 0 && !profile.look.mix().empty());
+  applied.set_not_varied(NotVaried(profile.look, roster_.config().network->model().styles));
 }
 
 Status Commands::ChangeLooks(const std::string& performer, const v1::Look& change,
@@ -235,22 +236,28 @@ Status Commands::ChangeLooks(const std::string& performer, const v1::Look& chang
     if (error != stylist::SettingsError::kNone) {
       return Refused(v1::CODE_OUT_OF_RANGE, profile.id + ": " + Explain(error));
     }
-    if (const Status varies = CheckVariations(look, styles); !varies.ok()) {
-      return Refused(v1::CODE_NO_EXAMPLES, profile.id + ": " + varies.message());
-    }
     changed.emplace_back(&profile, std::move(look));
     return Status::Ok();
   };
-  // All checks precede all changes, so that either all targets change or none.
-  for (Profile* profile : targets.profiles) {
-    Status status = add(*profile);
-    if (status.ok()) continue;
-    if (!targets.all) roster_.DropUnused(*profile);
-    return status;
+  // With "*" a performer whose other settings do not allow the change keeps them, and stops none of
+  // the others.
+  Status first = Status::Ok();
+  std::vector<v1::Applied> refused;
+  const auto attempt = [&](Profile& profile) {
+    Status status = add(profile);
+    if (status.ok()) return;
+    v1::Applied& entry = refused.emplace_back();
+    entry.set_performer(profile.id);
+    entry.set_refused(status.message());
+    if (first.ok()) first = std::move(status);
+  };
+  for (Profile* profile : targets.profiles) attempt(*profile);
+  if (targets.all) attempt(roster_.to_come);
+  if (changed.empty() && !first.ok()) {
+    if (!targets.all) roster_.DropUnused(*targets.profiles.front());
+    return first;
   }
-  if (targets.all) {
-    if (Status status = add(roster_.to_come); !status.ok()) return status;
-  }
+  for (v1::Applied& entry : refused) *reply.add_applied() = std::move(entry);
   for (auto& [profile, look] : changed) {
     profile->look = std::move(look);
     profile->configured = true;

@@ -65,10 +65,11 @@ class Commands {
 
   // Copies the mix of the preset that a change names into the change.
   Status FillPreset(v1::Look& change, const std::string& what) const;
-  // Applies a checked change to each target, all or none.
+  // Applies a change to each target that allows it. With "*" the others stay as they were, and the
+  // reply names them; an error means that none changed.
   Status ChangeLooks(const std::string& performer, const v1::Look& change, v1::Reply& reply);
   // `live`: the profile's performer, null if there is none.
-  static void Applied(const Profile& profile, const Performer* live, v1::Reply& reply);
+  void Applied(const Profile& profile, const Performer* live, v1::Reply& reply) const;
 
   Roster& roster_;
   bool changed_ = false;

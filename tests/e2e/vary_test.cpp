@@ -160,20 +160,19 @@ TEST_F(VaryTest, ItSurvivesARestartAndALikedStyleVariesToo) {
   EXPECT_FALSE(look.vary_each());
 }
 
-TEST(VaryWithoutVariations, AStyleThatHasNoneIsRefusedWithItsName) {
+TEST(VaryWithoutVariations, AStyleThatHasNoneIsShownAsItIs) {
   Daemon daemon;
   ControlClient control(daemon.control);
-  EXPECT_EQ(control.Ask(Vary("rig.a", 7)).code(), v1::CODE_OK) << "no style, nothing to vary";
-  const v1::Reply late = control.SetStyle("rig.a", "style1");
-  EXPECT_EQ(late.code(), v1::CODE_NO_EXAMPLES);
-  EXPECT_THAT(late.reason(), HasSubstr("rig.a: \"style1\" has no variations"));
-  EXPECT_EQ(control.Ask(Vary("rig.a", 0)).code(), v1::CODE_OK);
-  EXPECT_EQ(control.SetStyle("rig.a", "style1").code(), v1::CODE_OK);
-  EXPECT_EQ(control.Ask(Vary("rig.a", 7)).code(), v1::CODE_NO_EXAMPLES);
+  EXPECT_EQ(control.Ask(Vary("rig.a", 7)).code(), v1::CODE_OK);
+  v1::Reply reply = control.SetStyle("rig.a", "style1");
+  EXPECT_EQ(reply.code(), v1::CODE_OK);
+  EXPECT_EQ(reply.applied(0).not_varied(), "style1");
   v1::Request drift = Set("*");
   drift.mutable_set()->set_drift_s(5);
-  EXPECT_EQ(control.Ask(drift).code(), v1::CODE_NO_EXAMPLES);
-  EXPECT_EQ(control.Performer("rig.a").look().drift_s(), 0);
+  reply = control.Ask(drift);
+  EXPECT_EQ(reply.code(), v1::CODE_OK);
+  EXPECT_EQ(reply.applied(0).not_varied(), "style1");
+  EXPECT_EQ(control.Performer("rig.a").look().drift_s(), 5);
 }
 
 }  // namespace
