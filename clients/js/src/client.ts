@@ -423,6 +423,13 @@ export class StyledClient {
       if (one.noStrength && styles) {
         this.tell('unseen', `the strength of ${one.performer} is 0: no style is visible`, one.performer);
       }
+      if (one.notVaried && styles) {
+        this.tell('unseen', `${one.performer}: ${one.notVaried} has no variations and is shown as it is`,
+                  one.performer);
+      }
+      if (one.refused) {
+        this.tell('unseen', `not changed: ${one.refused}`, one.performer);
+      }
     }
   }
 

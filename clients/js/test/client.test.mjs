@@ -284,6 +284,12 @@ test('a change that nobody will see is told: to who listens, else in the console
       await client.setStyle('rig.a', 'old', 0); // as requested
       await client.set('*', { strength: 0 }); // no selected performer
       assert.deepEqual([heard.length, said.length], [3, 2]);
+      gateway.answer = () => ({ code: Code.OK, applied: [
+        { performer: 'rig.b', refused: 'rig.b: too strong' },
+        { performer: 'rig.a', firstSequence: 5n, notVaried: 'giant' }] });
+      await client.set('*', { vary: 7 });
+      assert.deepEqual(heard.slice(3), [['not changed: rig.b: too strong', 'rig.b'],
+        ['rig.a: giant has no variations and is shown as it is', 'rig.a']]);
     });
   }));
 

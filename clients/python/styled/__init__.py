@@ -30,7 +30,7 @@ from styled.commands import EVERYONE
 from styled.control import DEFAULT_CONTROL, Control
 from styled.curve import Curve
 from styled.errors import (AbsentOutput, AbsentPerformer, Error, Garbled, NoAnswer, NoStrength,
-                           Refused, Unseen)
+                           NotChanged, NotVaried, Refused, Unseen)
 from styled.inbox import Counters, Kind, Stream, Update, is_performer_id
 from styled.kinematics import Transform, World, world_arrays, world_transforms
 from styled.library import Clip, LibraryError, Network, Performer, restyle
@@ -42,5 +42,5 @@ RIG, CANONICAL, SOURCE = Stream.RIG, Stream.CANONICAL, Stream.SOURCE
 __all__ = ['CANONICAL', 'DEFAULT_CONTROL', 'DEFAULT_PUBLISHER', 'EVERYONE', 'RIG', 'SOURCE',
            'AbsentOutput', 'AbsentPerformer', 'Applied', 'Clip', 'Control', 'Counters', 'Curve',
            'Error', 'Garbled', 'Kind', 'LibraryError', 'Network', 'NoAnswer', 'NoStrength',
-           'Performer', 'Refused', 'Stream', 'Subscriber', 'Transform', 'Unseen', 'Update', 'World',
-           'is_performer_id', 'restyle', 'world_arrays', 'world_transforms']
+           'NotChanged', 'NotVaried', 'Performer', 'Refused', 'Stream', 'Subscriber', 'Transform',
+           'Unseen', 'Update', 'World', 'is_performer_id', 'restyle', 'world_arrays', 'world_transforms']

@@ -47,8 +47,10 @@ class Control(Commands):
     raises styled.Refused, NoAnswer or Garbled. `performer` is SOURCE.NAME or '*'. A change returns
     {performer: first sequence at which it is in force}, a styled.Applied. If the change is not visible,
     because no performer of that name is present or the strength is 0, the call warns
-    (styled.AbsentPerformer, NoStrength). proto/styled/v1/control.proto defines each field and what is
-    refused. One thread at a time; a context manager. """
+    (styled.AbsentPerformer, NoStrength), and so it does about a style without variations and a
+    performer that a change for '*' left as they were (NotVaried, NotChanged).
+    proto/styled/v1/control.proto defines each field and what is refused. One thread at a time; a
+    context manager. """
 
     def __init__(self, endpoint: str = DEFAULT_CONTROL, *, timeout: float = 2.0,
                  curve: Optional[Curve] = None):

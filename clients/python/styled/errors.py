@@ -37,3 +37,11 @@ class AbsentOutput(Unseen):
 
 class NoStrength(Unseen):
     """A style was set, but the performer's strength is 0."""
+
+
+class NotVaried(Unseen):
+    """The look asks for a variation, but the performer's style has none and is shown as it is."""
+
+
+class NotChanged(Unseen):
+    """Of a change for everybody: the performer's other settings do not allow it, and stayed as they were."""

@@ -5,7 +5,7 @@ import sys
 import warnings
 from typing import Any, Dict, FrozenSet, Iterable, NamedTuple, Optional
 
-from styled.errors import AbsentPerformer, NoStrength, Unseen
+from styled.errors import AbsentPerformer, NoStrength, NotChanged, NotVaried, Unseen
 from styled.v1 import control_pb2
 
 _STYLING = ('set', 'preset', 'like', 'import_style', 'cue')
@@ -15,13 +15,18 @@ class Applied(Dict[str, int]):
     """The result of a change: the first sequence under it by performer.
 
     absent       those of them of whose name no performer is present: the change waits for it
-    no_strength  those that have styles set, but the strength 0: none is visible """
+    no_strength  those that have styles set, but the strength 0: none is visible
+    not_varied   {performer: style} where the look asks for a variation and the style has none
+    refused      {performer: reason} of those that a change for everybody left as they were; they are not
+                 among the changed ones """
 
     def __init__(self, entries: Iterable[control_pb2.Applied] = ()):
         entries = list(entries)
-        super().__init__((entry.performer, entry.first_sequence) for entry in entries)
+        super().__init__((entry.performer, entry.first_sequence) for entry in entries if not entry.refused)
         self.absent: FrozenSet[str] = frozenset(e.performer for e in entries if e.absent)
         self.no_strength: FrozenSet[str] = frozenset(e.performer for e in entries if e.no_strength)
+        self.not_varied: Dict[str, str] = {e.performer: e.not_varied for e in entries if e.not_varied}
+        self.refused: Dict[str, str] = {e.performer: e.refused for e in entries if e.refused}
 
 
 class Line(NamedTuple):
@@ -41,8 +46,8 @@ def line_of_caller() -> Line:
 
 
 def warn(request: control_pb2.Request, reply: control_pb2.Reply, line: Line) -> None:
-    """Warns only about named performers: '*' means none in particular, a checkpoint is restored before
-    its performer arrives, and a strength of 0 in the request itself is intended."""
+    """Warns of absence only about named performers: '*' means none in particular, a checkpoint is restored
+    before its performer arrives, and a strength of 0 in the request itself is intended."""
     command: Optional[str] = request.WhichOneof('command')
     applied = Applied(reply.applied)
     if request.performer in applied.absent and command != 'restore_checkpoint':
@@ -51,6 +56,11 @@ def warn(request: control_pb2.Request, reply: control_pb2.Reply, line: Line) -> 
     if applied.no_strength and command in _STYLING and not request.set.HasField('strength'):
         warn_at(NoStrength(f'the strength of {", ".join(sorted(applied.no_strength))} is 0: no style is '
                            'visible'), line)
+    for performer, style in applied.not_varied.items():
+        if command in _STYLING:
+            warn_at(NotVaried(f"{performer}: '{style}' has no variations and is shown as it is"), line)
+    for reason in applied.refused.values():
+        warn_at(NotChanged(f'not changed: {reason}'), line)
 
 
 def warn_at(warning: Unseen, line: Line) -> None:

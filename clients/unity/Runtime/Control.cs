@@ -15,7 +15,8 @@ public sealed class RefusedException : Exception {
 /// RefusedException, TimeoutException (no daemon answers; the change may or may not have been applied),
 /// FormatException (the answer is not a daemon's) or ArgumentException. `performer` is SOURCE.NAME or "*".
 /// A change returns the first sequence under it by performer; Absent and NoStrength name the performers
-/// for which it is not visible. One thread at a time, in Unity not the main one; Dispose it.</summary>
+/// for which it is not visible, NotChanged those that a change for "*" left as they were. One thread at a time, in Unity
+/// not the main one; Dispose it.</summary>
 public sealed class Control : IDisposable {
   public const string DefaultEndpoint = "tcp://127.0.0.1:7002";
   const long MaxReplyBytes = 16 << 20;
@@ -33,6 +34,7 @@ public sealed class Control : IDisposable {
     timeout_ms_ = timeoutMs;
     curve_ = curve;
     Absent = NoStrength = new string[0];
+    NotChanged = new Dictionary<string, string>();
     Open();
   }
 
@@ -45,6 +47,9 @@ public sealed class Control : IDisposable {
   /// <summary>Of the same call: these have a style set, but the strength 0, so that none is
   /// visible.</summary>
   public ICollection<string> NoStrength { get; private set; }
+
+  /// <summary>Of the same call, for "*": the performers whose settings stayed as they were, and why.</summary>
+  public IDictionary<string, string> NotChanged { get; private set; }
 
   /// <summary>The names of the daemon's styles.</summary>
   public List<string> Styles() {
@@ -90,6 +95,7 @@ public sealed class Control : IDisposable {
     public WireReader List;
     public readonly Dictionary<string, ulong> Applied = new Dictionary<string, ulong>();
     public readonly List<string> Absent = new List<string>(), NoStrength = new List<string>();
+    public readonly Dictionary<string, string> NotChanged = new Dictionary<string, string>();
   }
 
   WireWriter Request() { return new WireWriter().Number(1, ++id_); }
@@ -112,6 +118,7 @@ public sealed class Control : IDisposable {
       if (reply.Id != id_ && (reply.Id != 0 || reply.Code == 0)) continue;
       Absent = reply.Absent;
       NoStrength = reply.NoStrength;
+      NotChanged = reply.NotChanged;
       if (reply.Code != 0) throw new RefusedException(reply.Code, reply.Reason);
       return reply;
     }
@@ -136,14 +143,19 @@ public sealed class Control : IDisposable {
   }
 
   static void ParseApplied(WireReader reader, Reply into) {
-    string performer = "";
+    string performer = "", refused = "";
     ulong sequence = 0, absent = 0, noStrength = 0;
     while (reader.Next()) {
       if (reader.Field == 1) performer = reader.Text();
       else if (reader.Field == 2) sequence = reader.Number();
       else if (reader.Field == 3) absent = reader.Number();
       else if (reader.Field == 4) noStrength = reader.Number();
+      else if (reader.Field == 6) refused = reader.Text();
       else reader.Skip();
+    }
+    if (refused != "") {
+      into.NotChanged[performer] = refused;
+      return;
     }
     into.Applied[performer] = sequence;
     if (absent != 0) into.Absent.Add(performer);

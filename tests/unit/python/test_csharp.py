@@ -20,6 +20,8 @@ def refusing(request):
     if request.performer == 'stage.refused':
         reply.code, reply.reason = 3, 'unknown style'
         del reply.applied[:]
+    elif request.performer == '*':
+        reply.applied.add(performer='stage.bob', refused='stage.bob: too strong')
     return reply
 
 
@@ -43,7 +45,8 @@ class CsharpTest(unittest.TestCase):
         with FakeDaemon(refusing) as daemon:
             self.assertEqual(self.run_program('steer', daemon.endpoint, 'stage.ann', 'stage.anna', '*'), (
                 0, 'stage.ann absent=stage.ann weak=\nstage.anna absent= weak=stage.anna\n'
-                'stage.anna,stage.old absent=stage.old weak=stage.anna\nunknown style absent=0\n', ''))
+                'stage.anna,stage.old absent=stage.old weak=stage.anna kept=stage.bob (stage.bob: too strong)\n'
+                'unknown style absent=0\n', ''))
 
     def test_the_example_says_what_is_wrong_in_one_line_above_its_usage(self):
         usage = 'usage: heads [PUBLISHER [CONTROL [STYLE [FRAMES]]]]'

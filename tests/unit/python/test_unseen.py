@@ -71,6 +71,20 @@ class UnseenTest(unittest.TestCase):
             control.pin('stage.anna')
             self.assertEqual(self.heard(), [])
 
+    def test_a_style_without_variations_and_performers_that_did_not_change_are_told(self):
+        def partly(request):
+            reply = control_pb2.Reply()
+            reply.applied.add(performer='stage.bob', refused='stage.bob: too strong')
+            reply.applied.add(performer='stage.anna', first_sequence=7, not_varied='giant')
+            return reply
+        with FakeDaemon(partly) as daemon, styled.Control(daemon.endpoint) as control:
+            applied, line = control.set('*', style='giant'), here()
+        self.assertEqual((applied, applied.not_varied, applied.refused),
+                         ({'stage.anna': 7}, {'stage.anna': 'giant'}, {'stage.bob': 'stage.bob: too strong'}))
+        self.assertEqual(self.heard(), [
+            (styled.NotVaried, "stage.anna: 'giant' has no variations and is shown as it is", __file__, line),
+            (styled.NotChanged, 'not changed: stage.bob: too strong', __file__, line)])
+
     def test_whom_nobody_has_named_is_not_missed(self):
         with styled.Control(self.daemon.endpoint) as control:
             self.assertEqual(control.set('*', strength=0).absent, {'stage.old'})
