@@ -245,13 +245,15 @@ json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
   return out;
 }
 
-std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {
+std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix,
+                    const google::protobuf::RepeatedPtrField<std::string>& networks) {
   std::string out;
-  for (const auto& entry : mix) {
+  for (int i = 0; i < mix.size(); ++i) {
     if (!out.empty()) out += " + ";
     std::array<char, 64> weight{};
-    std::snprintf(weight.data(), weight.size(), " %.2f", static_cast<double>(entry.weight()));
-    out += entry.style() + weight.data();
+    std::snprintf(weight.data(), weight.size(), " %.2f", static_cast<double>(mix[i].weight()));
+    out += mix[i].style() + weight.data();
+    if (i < networks.size() && !networks[i].empty()) out += " (" + networks[i] + ")";
   }
   return out.empty() ? "bypass" : out;
 }

@@ -18,7 +18,9 @@ std::string LookOptionNames();
 
 nlohmann::json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix);
 // "old 0.60 + proud 0.40"; "bypass".
-std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix);
+// `networks`: the network that shows each style, "" or fewer than styles: unknown.
+std::string MixText(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix,
+                    const google::protobuf::RepeatedPtrField<std::string>& networks = {});
 // Every field by its name.
 nlohmann::json LookJson(const v1::Look& look);
 // The fields of a change: "old 0.60, strength 0.8, parts head,left-arm"; "" for an empty one.

@@ -392,7 +392,8 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
                       Fixed(performer.latency_p99_overall_us(), 0),
                       std::to_string(performer.over_budget()),
                       std::to_string(performer.published()), std::to_string(performer.lost()),
-                      Fixed(performer.look().strength(), 2), MixText(performer.look().mix()),
+                      Fixed(performer.look().strength(), 2),
+                      MixText(performer.look().mix(), performer.networks()),
                       performer.has_moved() ? Fixed(Most_cm(performer.moved()), 1) : "-",
                       NeutralCell(performer), notes});
     }
@@ -443,7 +444,11 @@ std::string AppliedText(const std::vector<v1::Applied>& applied, const std::stri
                            ? "from their first frame: no performer of this name is present"
                            : "from frame " + std::to_string(entry.first_sequence());
     if (entry.no_strength()) from += ", not visible: the strength is 0";
-    rows.push_back({entry.performer(), what, from});
+    if (!entry.not_varied().empty()) {
+      from += ", " + entry.not_varied() + " as it is: its network has no variations";
+    }
+    if (!entry.refused().empty()) from = "not changed: " + entry.refused();
+    rows.push_back({entry.performer() == "*" ? "others" : entry.performer(), what, from});
   }
   return Table(rows);
 }
@@ -556,7 +561,9 @@ json AppliedJson(const std::vector<v1::Applied>& applied) {
     out.push_back({{"performer", entry.performer()},
                    {"first_sequence", entry.first_sequence()},
                    {"absent", entry.absent()},
-                   {"no_strength", entry.no_strength()}});
+                   {"no_strength", entry.no_strength()},
+                   {"not_varied", entry.not_varied()},
+                   {"refused", entry.refused()}});
   }
   return out;
 }

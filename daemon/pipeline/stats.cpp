@@ -106,6 +106,10 @@ void Stats::Fill(v1::Stats& stats) const {
     row.set_pinned(profile->pinned);
     *row.mutable_look() = profile->look;
     FillFormerFields(row);
+    for (std::string& network :
+         NetworksOf(profile->look, roster_.config().network->model().styles)) {
+      row.add_networks(std::move(network));
+    }
     if (const Performer* live = roster_.LiveOf(*profile)) live->Describe(row);
     layers_.Describe(dependencies_.clock.Now_ns(), row);
   }

@@ -484,6 +484,15 @@ TEST_F(StylectlTest, AnAbsentPerformerAndAStyleWithoutStrengthAreReported) {
   EXPECT_EQ(AppliedText({applied}, "set"),
             "rig.an  set  from frame 598, not visible: the strength is 0\n");
   EXPECT_EQ(AppliedJson({applied})[0]["no_strength"], true);
+  applied.set_no_strength(false);
+  applied.set_not_varied("giant");
+  EXPECT_EQ(AppliedText({applied}, "set"),
+            "rig.an  set  from frame 598, giant as it is: its network has no variations\n");
+  v1::Applied kept;
+  kept.set_performer("*");
+  kept.set_refused("*: too strong");
+  EXPECT_EQ(AppliedText({kept}, "set"), "others  set  not changed: *: too strong\n");
+  EXPECT_EQ(AppliedJson({kept})[0]["refused"], "*: too strong");
 }
 
 TEST_F(StylectlTest, ThePartsFromOtherSourcesAreShown) {
