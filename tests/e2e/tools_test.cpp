@@ -269,6 +269,16 @@ TEST_F(StylizeClips, AWeightIsAShareOfAMeasuredStylesChange) {
   EXPECT_NE(Stylize({"--like", example}, in), half);
 }
 
+TEST_F(StylizeClips, ADesignAloneIsAStyle) {
+  weights_ = net::FindWeights("open").value();
+  const std::string in = Walk("30", "4");
+  const std::string none = Stylize({"--design", "sneaky", "--strength", "0"}, in);
+  const std::string half = Stylize({"--design", "sneaky", "--strength", "0.5"}, in);
+  ASSERT_NE(none, "") << output_;
+  EXPECT_NE(half, none);
+  EXPECT_NE(Stylize({"--design", "sneaky"}, in), half);
+}
+
 TEST_F(StylizeClips, SlidersOfWeightsWithoutAnyAreRefused) {
   weights_ = net::FindWeights("v2").value();
   EXPECT_NE(Refusal({"--design", "sneaky"}, Walk()).find("have no sliders"), std::string::npos)

@@ -285,7 +285,7 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
     blend.strength = std::exchange(request.strength, 1.0F);
     float sum = 0;
     for (const net::StyleSource& source : request.sources) sum += source.weight;
-    if (sum < 1) blend.strength *= sum;
+    if (sum < 1 && !request.sources.empty()) blend.strength *= sum;  // a design alone has no weights
     for (net::StyleSource& source : request.sources) {
       source.weight = sum > 0 ? source.weight / sum : 1;
     }
