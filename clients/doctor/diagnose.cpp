@@ -127,6 +127,12 @@ void Examination::Source(const SourceFacts& source) {
   // there.
   const bool is_part = Row(source.expected.format).face_only || !source.expected.merge_into.empty();
   if (source.in_daemon && !is_part) Frames(source, evidence);
+  if (source.stray.empty()) return;
+  Report(Severity::kProblem, Step::kFrames, &source, "not_merged",
+         Label(source) + " arrives, and no performer gets it.",
+         "The daemon says: " + source.stray + ".",
+         "Set merge_into of the source to that performer, or let the performer come, and restart "
+         "the daemon.");
 }
 
 // Reports a source from which the daemon receives nothing, whatever the previous steps found. Not
@@ -186,15 +192,14 @@ void Examination::Unclaimed() {
   }
 }
 
-// The keys that a source of that format needs in addition, because it has no body: the performer
-// that gets the face.
+// The key that a source of that format needs in addition, because it has no body: the performer
+// that gets the face, where several are live.
 std::string Examination::MergeInto(Format format) const {
   if (!Row(format).face_only) return "";
   const auto& performers = facts_.daemon.after.stats().performers();
   const auto live = std::ranges::find_if(performers, &v1::PerformerStats::live);
-  const bool known = live != performers.end();
-  return "  merge_into = \"" + (known ? live->performer() : "SOURCE.NAME") +
-         (known ? "\"" : "\" (the performer who gets the face)");
+  if (std::ranges::count_if(performers, &v1::PerformerStats::live) < 2) return "";
+  return "  merge_into = \"" + live->performer() + "\"";
 }
 
 void Examination::Losses() {

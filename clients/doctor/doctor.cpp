@@ -114,6 +114,7 @@ class Examiner {
           MakeExpected(ExpectedSource::Origin::kDaemon, info.name(), info.type(), info.listen()));
       source.in_daemon = true;
       source.expected.merge_into = info.merge_into();
+      source.stray = info.stray();
     }
     for (const ExpectedSource& expected : configured_) AddConfigured(expected);
     for (const auto& text : options_.listen) {

@@ -38,6 +38,7 @@ struct SourceFacts {
   ExpectedSource expected;
   bool in_daemon = false;                 // the running daemon has this source
   std::optional<std::uint64_t> received;  // by the daemon, during listening
+  std::string stray;                      // v1::SourceInfo.stray
   std::optional<PortState> port;          // empty: not examined
   std::vector<BoundSocket> holders;       // sockets of other programs on the port
   std::uint64_t drops = 0;                // of `holders`, during listening

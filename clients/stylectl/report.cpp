@@ -401,6 +401,7 @@ std::string StatusText(const v1::StatusReply& status, bool all_counters) {
     out += Table(rows) + merged + held_back + warnings;
   }
   for (const auto& source : status.sources()) {
+    if (!source.stray().empty()) out += source.name() + ": " + source.stray() + "\n";
     if (source.received() > 0) continue;
     const rigs::SourceType* const type = rigs::FindSourceType(source.type());
     const bool asks = type != nullptr && type->rig->asks_server;
@@ -504,7 +505,9 @@ json StatusJson(const v1::StatusReply& status) {
                        {"arrived_ms", source.arrived_ms()},
                        {"left_ms", source.left_ms()},
                        {"missed", source.missed()},
-                       {"kernel_dropped", source.kernel_dropped()}});
+                       {"kernel_dropped", source.kernel_dropped()},
+                       {"merge_into", source.merge_into()},
+                       {"stray", source.stray()}});
   }
   for (const auto& counter : stats.counters()) counters[counter.name()] = counter.value();
   for (const auto& performer : stats.performers()) {

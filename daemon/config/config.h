@@ -60,7 +60,7 @@ struct Source {
   std::string serial = {};   // serial number of the one USB device to open; "" = all
   Smoothing smoothing = {};
   // The performer, SOURCE.NAME, that gets the parts of this source; "" = the source has performers
-  // of its own.
+  // of its own; kOnlyPerformer: the one who is alone here.
   std::string merge_into = {};
   // Some of kMergedParts; empty: the face.
   std::vector<std::string> parts = {};
@@ -72,6 +72,8 @@ struct Source {
   // Whether `part`, "face", "leftFingers" or "rightFingers", is merged; false without merge_into.
   bool Merges(std::string_view part) const;
 };
+
+inline constexpr std::string_view kOnlyPerformer = "*";  // of Source::merge_into
 
 // An additional skeleton onto which the styled motion is retargeted and published.
 struct Output {

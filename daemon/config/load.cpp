@@ -4,6 +4,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/config/keys.h"
+#include "daemon/config/sources.h"
 #include "model/base/read_file.h"
 #include "model/base/text.h"
 #include "model/base/toml_nesting.h"
@@ -293,6 +294,7 @@ Result<Config> Parse(const std::string& text, const std::string& name,
     const Status status = ApplyOverride(override_, config);
     if (!status.ok()) return status;
   }
+  AssignFaces(config.sources);
   const Status status = Validate(config);
   if (status.ok()) return config;
   const std::string place = PlaceOf(config, status.message(), name);

@@ -70,17 +70,52 @@ Status CheckMeaning(const Source& source, const rigs::RigType& rig) {
 // Below this a body would follow its performer too slowly.
 constexpr float kLeastSmooth_hz = 0.1F;
 
-// `merge_into` of source `i`: a performer of another source that has performers.
+// The name of the only performer of a source whose rig sends no name; "": the rig sends names.
+std::string OnlyName(const Source& source, const rigs::RigType& rig) {
+  const auto sends_none = {rigs::kMocopi.word, rigs::kSlimeVr.word, rigs::kVmc.word,
+                           rigs::kVrChat.word};
+  if (std::ranges::find(sends_none, rig.word) == sends_none.end()) return "";
+  return source.performer.empty() ? source.name : source.performer;
+}
+
+// A performer that another source can have.
+Status CheckTarget(const std::vector<Source>& sources, const Source& merged) {
+  const std::string& into = merged.merge_into;
+  const std::string expected =
+      "expected a performer of another source, SOURCE.NAME, whose source has no merge_into";
+  if (into == kOnlyPerformer) {
+    if (merged.Merges("leftFingers") || merged.Merges("rightFingers")) {
+      return Status::Error("merge_into: \"*\" is for a face alone; " + expected);
+    }
+    if (std::ranges::any_of(sources, [](const Source& s) { return s.merge_into.empty(); })) {
+      return Status::Ok();
+    }
+    return Status::Error("merge_into: no source has performers; add a [[source]] of the rig");
+  }
+  const std::size_t dot = into.find('.');
+  const std::string name = dot == std::string::npos ? "" : into.substr(dot + 1);
+  const auto source = std::ranges::find_if(sources, [&](const Source& one) {
+    return IsName(name) && one.merge_into.empty() && one.name == into.substr(0, dot);
+  });
+  if (source == sources.end()) {
+    return Status::Error("merge_into: \"" + Shown(into) + "\"; " + expected);
+  }
+  const std::string only = OnlyName(*source, *rigs::FindSourceType(source->type)->rig);
+  if (only.empty() || only == name) return Status::Ok();
+  return Status::Error("merge_into: \"" + into + "\"; the performer of source \"" + source->name +
+                       "\" is \"" + source->name + "." + only + "\", because type \"" +
+                       source->type + "\" sends no name; expected that, or performer = \"" + name +
+                       "\" there");
+}
+
+// `merge_into` of source `i`.
 Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs::RigType& rig) {
-  const std::string& into = sources[i].merge_into;
-  if (into.empty()) {
+  if (sources[i].merge_into.empty()) {
     if (!sources[i].parts.empty()) {
       return Status::Error(
           "parts: only for a source with merge_into, the performer that gets them");
     }
-    if (!rig.face_only) return Status::Ok();
-    return Status::Error("merge_into: missing; a source of type \"" + sources[i].type +
-                         "\" is the face of a performer, SOURCE.NAME, e.g. \"stage.anna\"");
+    return Status::Ok();
   }
   if (sources[i].Merges("face") && !rig.has_face) {
     return Status::Error(sources[i].parts.empty()
@@ -95,15 +130,7 @@ Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs:
     return Status::Error("parts: \"fingers\": a source of type \"" + sources[i].type +
                          "\" has none; expected one of " + rigs::FingerTypes());
   }
-  const std::size_t dot = into.find('.');
-  const bool named = dot != std::string::npos && IsName(into.substr(dot + 1));
-  const auto is_source = [&](const Source& source) {
-    return named && source.merge_into.empty() && source.name == into.substr(0, dot);
-  };
-  if (std::ranges::any_of(sources, is_source)) return Status::Ok();
-  return Status::Error("merge_into: \"" + Shown(into) +
-                       "\"; expected a performer of another source, SOURCE.NAME, whose source has "
-                       "no merge_into");
+  return CheckTarget(sources, sources[i]);
 }
 
 // The prefix of errors of a row of `trackers`.
@@ -134,6 +161,15 @@ bool Source::Merges(std::string_view part) const {
   return std::ranges::any_of(parts, [part](const std::string& word) {
     return word == part || (word == "fingers" && part.ends_with("Fingers"));
   });
+}
+
+void AssignFaces(std::vector<Source>& sources) {
+  for (Source& source : sources) {
+    const rigs::SourceType* const type = rigs::FindSourceType(source.type);
+    if (type != nullptr && type->rig->face_only && source.merge_into.empty()) {
+      source.merge_into = kOnlyPerformer;
+    }
+  }
 }
 
 Status CheckTrackers(const std::vector<Tracker>& trackers) {

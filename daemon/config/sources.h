@@ -12,6 +12,9 @@
 
 namespace styled::config {
 
+// A source of a type that sends only a face gets merge_into kOnlyPerformer, unless it has one.
+void AssignFaces(std::vector<Source>& sources);
+
 // Checks names, addresses, and the keys of each [[source]]'s type, as far as the text alone allows;
 // opens nothing. Errors begin with the key, e.g. "source.0.listen: ".
 Status CheckSources(const std::vector<Source>& sources);

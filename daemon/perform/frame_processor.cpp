@@ -192,7 +192,8 @@ void FrameProcessor::ProcessFrame(const Batch& batch, std::size_t at, runtime::H
   if (frame.has_timecode && !performance_.roster.config().cues.empty()) {
     PassCues(performer, frame.timecode, hot);
   }
-  transit.face = performance_.layers.FaceOf(performer.profile.id, frame.face, receive_ns_);
+  const bool alone = performance_.roster.performers.size() == 1;
+  transit.face = performance_.layers.FaceOf(performer.profile.id, alone, frame.face, receive_ns_);
   decision.reason = performer.Accept(transit);
   if (decision.reason != Decision::kNoReason) {
     decision.fate = v1::FATE_REFUSED;

@@ -29,6 +29,7 @@ class LogLimit {
     kCueRefused,
     kFacing,
     kFace,
+    kStray,
     kFingers,
     kStandby,
     kOverload,

@@ -317,6 +317,12 @@ std::string Roster::Id(int source, std::string_view name) const {
   return source_names_[static_cast<std::size_t>(source)] + "." + std::string(name);
 }
 
+std::vector<std::string> Roster::Here() const {
+  std::vector<std::string> here;
+  for (const auto& performer : performers) here.push_back(performer->profile.id);
+  return here;
+}
+
 bool Roster::KnowsSource(std::string_view name) const {
   return std::find(source_names_.begin(), source_names_.end(), name) != source_names_.end();
 }

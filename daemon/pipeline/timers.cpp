@@ -86,6 +86,7 @@ int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
   CheckWallClock();
   stats_.Publish();
   LogCalibrated();
+  LogStray(now_ns);
   performance_.roster.Age(now_ns);
   for (auto& text : performance_.roster.PopLog())
     performance_.events.Log(Event::Level::kInfo, std::move(text));
@@ -161,7 +162,7 @@ int Timers::LogLayers(std::int64_t now_ns) {
   const auto log = [&](const Layer& layer, MergedPart& part, LogLimit::Kind kind, const char* comes,
                        const char* goes) {
     const int change = part.Change(now_ns);
-    if (change == 0) return;
+    if (change == 0 || layer.into.empty()) return;  // LogStray has no performer for it
     ++changes;
     performance_.events.LogOf(kind, {}, layer.into,
                               change > 0 ? Event::Level::kInfo : Event::Level::kWarning,
@@ -180,6 +181,20 @@ int Timers::LogLayers(std::int64_t now_ns) {
     }
   }
   return changes;
+}
+
+// A phone whose face is shown on no performer looks as if it were broken.
+void Timers::LogStray(std::int64_t now_ns) {
+  stray_.resize(performance_.layers.size());
+  for (std::size_t i = 0; i < stray_.size(); ++i) {
+    std::string why = performance_.layers.Stray(i, performance_.roster.Here(), now_ns);
+    if (why == stray_[i]) continue;
+    if (!why.empty()) {
+      const std::string& name = performance_.roster.source_names()[i];
+      performance_.events.LogOf(LogLimit::Kind::kStray, {}, name, Event::Level::kWarning, why);
+    }
+    stray_[i] = std::move(why);
+  }
 }
 
 }  // namespace styled::pipeline

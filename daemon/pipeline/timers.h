@@ -33,6 +33,7 @@ class Timers {
   void Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns);
   void LogFacing(Performer& performer);
   int LogLayers(std::int64_t now_ns);
+  void LogStray(std::int64_t now_ns);
   void LogCalibrated();
   void CheckWallClock();
 
@@ -41,6 +42,8 @@ class Timers {
   Stats& stats_;
   v1::Silence silence_;  // of this turn
   runtime::WallWatch wall_watch_;
+  // The last sentence that the log has of each source whose data reach no performer.
+  std::vector<std::string> stray_;
 };
 
 }  // namespace styled::pipeline

@@ -129,6 +129,29 @@ TEST(FaceTest, FacesOfAVmcApplicationNeedNoBones) {
   EXPECT_GT(Smiling(frames, "rig.b", "Joy"), 100);
 }
 
+// Two performers: the phone's face is on neither, and status and the log say it.
+TEST(FaceTest, APhoneWithoutANameIsTheOnlyPerformers) {
+  Daemon daemon({},
+                "[[source]]\nname = \"phone\"\ntype = \"livelinkface\"\n"
+                "listen = \"127.0.0.1:0\"\n");
+  Subscriber subscriber(daemon.publish,
+                        {"body/", "styled/rig.a/canonical/", "styled/rig.b/canonical/"});
+  const UdpLink phone(daemon.listens.at(2));
+  auto rig = rigs::MakeLiveLinkFace({});
+  std::string stray;
+  const auto frames = Stream(daemon, subscriber, [&](int i) {
+    rigs::Frame frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    frame.time_s = static_cast<double>(i) / 60;
+    rig.value()->Encode(frame, [&](auto datagram) { phone.Send(Copy(datagram)); });
+    if (i != 100) return;
+    const v1::StatusReply status = ControlClient(daemon.control).Status();
+    for (const auto& source : status.sources()) stray += source.stray();
+  });
+  EXPECT_EQ(stray, "here are rig.a, rig.b: merge_into must name the one who gets its data");
+  EXPECT_EQ(Smiling(frames, "rig.a", "jawOpen") + Smiling(frames, "rig.b", "jawOpen"), 0);
+}
+
 // The phone is silent until the daemon asks for it, at the address in `server`.
 TEST(FaceTest, APhoneThatMustBeAskedIsAsked) {
   PhoneSocket phone;

@@ -10,6 +10,10 @@ namespace styled::pipeline {
 
 using runtime::Counter;
 
+namespace {
+constexpr std::size_t kLongestId = 65;  // SOURCE.NAME of config::IsPerformerId
+}
+
 FaceLayer::FaceLayer() {
   face_.reserve(kMaxFace);
   shown_.reserve(kMaxFace);
@@ -55,7 +59,9 @@ void Layers::Set(const std::vector<config::Source>& sources) {
     if (source.merge_into.empty()) continue;
     layer = std::make_unique<Layer>();
     layer->source = source.name;
-    layer->into = source.merge_into;
+    layer->follows = source.merge_into == config::kOnlyPerformer;
+    layer->into.reserve(kLongestId);
+    if (!layer->follows) layer->into = source.merge_into;
     if (source.Merges("face")) layer->face.emplace();
     rig::TailSet fingers;
     if (source.Merges("leftFingers")) fingers |= rig::FingersOf(body::kLeftHand);
@@ -64,11 +70,13 @@ void Layers::Set(const std::vector<config::Source>& sources) {
   }
 }
 
-std::span<const std::byte> Layers::FaceOf(std::string_view performer,
+std::span<const std::byte> Layers::FaceOf(std::string_view performer, bool alone,
                                           std::span<const std::byte> own,
                                           std::int64_t now_ns) noexcept {
   for (const auto& layer : layers_) {
-    if (!layer || !layer->face || layer->into != performer) continue;
+    if (!layer || !layer->face) continue;
+    if (alone && layer->follows && performer.size() <= kLongestId) layer->into.assign(performer);
+    if (layer->into != performer) continue;
     const auto face = layer->face->Over(own, now_ns);
     if (face.data() != own.data()) return face;
   }
@@ -81,6 +89,23 @@ std::vector<FingerLayer*> Layers::FingersOf(std::string_view performer) {
     if (layer && layer->fingers && layer->into == performer) fingers.push_back(&*layer->fingers);
   }
   return fingers;
+}
+
+std::string Layers::Stray(std::size_t source, std::span<const std::string> here,
+                          std::int64_t now_ns) const {
+  const Layer* const layer = source < layers_.size() ? layers_[source].get() : nullptr;
+  if (layer == nullptr || !layer->Live(now_ns)) return "";
+  if (std::ranges::find(here, layer->into) != here.end()) return "";
+  constexpr std::size_t kShown = 3;
+  std::string list = here.empty()       ? "no performer is here"
+                     : here.size() == 1 ? "here is "
+                                        : "here are ";
+  for (std::size_t i = 0; i < std::min(here.size(), kShown); ++i) {
+    list += (i == 0 ? "" : ", ") + here[i];
+  }
+  if (here.size() > kShown) list += " and " + std::to_string(here.size() - kShown) + " more";
+  if (!layer->follows) return "its data are for " + layer->into + ", who is not here; " + list;
+  return here.empty() ? list : list + ": merge_into must name the one who gets its data";
 }
 
 void Layers::Describe(std::int64_t now_ns, v1::PerformerStats& row) const {

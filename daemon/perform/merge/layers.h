@@ -39,10 +39,18 @@ class FaceLayer : public MergedPart {
 
 // The data that one source merges into a performer: a face, fingers, or both.
 struct Layer {
-  std::string source, into;
+  std::string source;
+  // The performer's id; "": none yet, because the layer belongs to the only performer (`follows`),
+  // and two were here.
+  std::string into;
+  bool follows = false;
   std::optional<FaceLayer> face;
   std::optional<FingerLayer> fingers;
 
+  // Whether a part of it arrives.
+  bool Live(std::int64_t now_ns) const noexcept {
+    return (face && face->Live(now_ns)) || (fingers && fingers->Live(now_ns));
+  }
   // Accepts the frame's face and fingers. Returns kAccepted, or the counter of its refusal. Ignores
   // a frame that has neither.
   STYLED_REALTIME runtime::Counter Accept(const source::SourceFrame& frame,
@@ -63,7 +71,9 @@ class Layers {
     return at < layers_.size() ? layers_[at].get() : nullptr;
   }
   // The face to publish for this performer: `own`, or the one that its layers show instead.
-  STYLED_REALTIME std::span<const std::byte> FaceOf(std::string_view performer,
+  // `alone`: there is no other performer. Layers that follow the only performer become theirs, and
+  // stay so until another one is alone.
+  STYLED_REALTIME std::span<const std::byte> FaceOf(std::string_view performer, bool alone,
                                                     std::span<const std::byte> own,
                                                     std::int64_t now_ns) noexcept;
   // The fingers merged into this performer, in the order of the configuration. Valid as long as
@@ -73,6 +83,10 @@ class Layers {
   std::string Into(std::size_t source) const {
     return source < layers_.size() && layers_[source] ? layers_[source]->into : "";
   }
+  // Why the data of a source reach no performer now: "its data are for stage.anna, who is not here;
+  // here is stage.ben". "": they reach one, or none arrive. `here`: the performers.
+  std::string Stray(std::size_t source, std::span<const std::string> here,
+                    std::int64_t now_ns) const;
   // Fills `layers` of the row.
   void Describe(std::int64_t now_ns, v1::PerformerStats& row) const;
   std::size_t size() const { return layers_.size(); }

@@ -408,7 +408,20 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   };
   const std::string face = "type = \"livelinkface\"\n";
   EXPECT_EQ(Complaint(phone(face + "merge_into = \"stage.anna\"\nexpressions = \"vrm\"\n")), "");
-  EXPECT_THAT(Complaint(phone(face)), HasSubstr("source.1.merge_into: missing; a source of type"));
+  EXPECT_EQ(Complaint(phone(face)), "") << "the only performer's";
+  EXPECT_EQ(Complaint(phone(face + "merge_into = \"*\"\n")), "");
+  EXPECT_THAT(Complaint("[[source]]\nname = \"phone\"\n" + face),
+              HasSubstr("source.0.merge_into: no source has performers; add a [[source]]"));
+  EXPECT_THAT(Complaint(phone("type = \"vmc\"\nmerge_into = \"*\"\nparts = [\"fingers\"]\n")),
+              HasSubstr("source.1.merge_into: \"*\" is for a face alone"));
+  const std::string avatar = "[[source]]\nname = \"stage\"\ntype = \"vmc\"\n";
+  const std::string named =
+      "[[source]]\nname = \"phone\"\n" + face + "merge_into = \"stage.anna\"\n";
+  EXPECT_THAT(Complaint(avatar + named),
+              HasSubstr("source.1.merge_into: \"stage.anna\"; the performer of source \"stage\" is "
+                        "\"stage.stage\", because type \"vmc\" sends no name; expected that, or "
+                        "performer = \"anna\" there"));
+  EXPECT_EQ(Complaint(avatar + "performer = \"anna\"\n" + named), "");
   for (const auto* const into : {"anna", "stage.", "stage.a b", "phone.anna", "nobody.anna"}) {
     EXPECT_THAT(Complaint(phone(face + "merge_into = \"" + into + "\"\n")),
                 HasSubstr("expected a performer of another source, SOURCE.NAME"))

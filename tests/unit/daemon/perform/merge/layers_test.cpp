@@ -150,8 +150,59 @@ TEST(Layers, AFaceIsShownOnItsPerformerOnly) {
   const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}});
   ASSERT_EQ(layers.Of(2)->Accept(Frame(face, 1), 0), MergedPart::kAccepted);
   EXPECT_TRUE(layers.FingersOf("stage.anna").empty());
-  EXPECT_EQ(Parsed(layers.FaceOf("stage.bob", own, 0)).expressions(0).name(), "Joy");
-  EXPECT_EQ(Parsed(layers.FaceOf("stage.anna", own, 0)).expressions(0).name(), "jawOpen");
+  EXPECT_EQ(Parsed(layers.FaceOf("stage.bob", true, own, 0)).expressions(0).name(), "Joy");
+  EXPECT_EQ(Parsed(layers.FaceOf("stage.anna", false, own, 0)).expressions(0).name(), "jawOpen");
+}
+
+TEST(Layers, AFaceWithoutANameIsTheOnlyPerformers) {
+  Layers layers;
+  config::Source phone;
+  phone.merge_into = config::kOnlyPerformer;
+  layers.Set({config::Source(), phone});
+  const Bytes face = Encoded({{"jawOpen", 0.5F}}), own = Encoded({{"Joy", 1.0F}});
+  ASSERT_EQ(layers.Of(1)->Accept(Frame(face, 1), 0), MergedPart::kAccepted);
+  const auto shown = [&](const std::string& performer, bool alone) {
+    return Parsed(layers.FaceOf(performer, alone, own, 0)).expressions(0).name() == "jawOpen";
+  };
+  EXPECT_EQ(layers.Into(1), "");
+  EXPECT_FALSE(shown("stage.anna", false)) << "of two, neither is named";
+  EXPECT_FALSE(shown("stage.ben", false));
+  EXPECT_TRUE(shown("stage.anna", true));
+  EXPECT_FALSE(shown("stage.ben", false)) << "another one comes";
+  EXPECT_TRUE(shown("stage.anna", false)) << "it stays theirs";
+  EXPECT_TRUE(shown("stage.ben", true)) << "the first one leaves";
+  EXPECT_FALSE(shown("stage.anna", false));
+  EXPECT_EQ(layers.Into(1), "stage.ben");
+  const std::string longest(65, 'x');
+  EXPECT_TRUE(shown(longest, true));
+}
+
+TEST(Layers, ASourceWhoseDataReachNoPerformerSaysWhy) {
+  Layers layers;
+  config::Source named, follows;
+  named.merge_into = "stage.anna";
+  follows.merge_into = config::kOnlyPerformer;
+  layers.Set({config::Source(), named, follows});
+  const std::vector<std::string> other = {"stage.stage"}, both = {"a.a", "b.b"},
+                                 many = {"a.a", "b.b", "c.c", "d.d", "e.e"}, anna = {"stage.anna"};
+  EXPECT_EQ(layers.Stray(1, other, 0), "") << "nothing arrives";
+  const Bytes face = Encoded({{"jawOpen", 0.5F}});
+  for (const int source : {1, 2}) {
+    ASSERT_EQ(layers.Of(source)->Accept(Frame(face, 1), 0), MergedPart::kAccepted);
+  }
+  EXPECT_EQ(layers.Stray(0, other, 0), "");
+  EXPECT_EQ(layers.Stray(7, other, 0), "");
+  EXPECT_EQ(layers.Stray(1, anna, 0), "");
+  EXPECT_EQ(layers.Stray(1, other, 0),
+            "its data are for stage.anna, who is not here; here is stage.stage");
+  EXPECT_EQ(layers.Stray(1, {}, 0),
+            "its data are for stage.anna, who is not here; no performer is here");
+  EXPECT_EQ(layers.Stray(2, {}, 0), "no performer is here");
+  EXPECT_EQ(layers.Stray(2, both, 0),
+            "here are a.a, b.b: merge_into must name the one who gets its data");
+  EXPECT_EQ(layers.Stray(1, many, 0),
+            "its data are for stage.anna, who is not here; here are a.a, b.b, c.c and 2 more");
+  EXPECT_EQ(layers.Stray(1, other, 600 * kMs), "") << "silent";
 }
 
 }  // namespace
