@@ -93,9 +93,10 @@ class GuidesTest(unittest.TestCase):
 
     def test_options_of_the_other_pages_exist(self):
         sources = {program: source_of(program) for program in PROGRAMS}
-        for page in (('README.md',), ('clients', 'README.md'), ('daemon', 'OPERATING.md')):
+        guides = [('clients', 'guides', f'{who}.md') for who in ('ANIMATOR', 'PROGRAMMER', 'RESEARCHER', 'STAGE', 'VTUBER')]
+        for page in (('README.md',), ('clients', 'README.md'), ('daemon', 'OPERATING.md'), *guides):
             with self.subTest(page=page):
-                self.assertGreater(len(commands(read(*page))), 5)
+                self.assertGreater(len(commands(read(*page))), 2)
                 self.assertEqual([], wrong_options(read(*page), sources.get))
 
     def test_sections_and_keys_of_the_configuration_exist(self):
