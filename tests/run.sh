@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs, builds and passes every test. Options:
-#   --full       clang-tidy, Clang 22's check of the hot path, and the tests under ASan+UBSan and
-#                TSan, too
+#   --full       the benchmarks, clang-tidy, Clang 22's check of the hot path, and the tests under
+#                ASan+UBSan and TSan, too
 #   --sanitized  all fuzz targets but those that need the daemon under ASan+UBSan, not only the rigs' decoders
 #   --no-torch   do not install libtorch; trainer and live parity tests are then left out (where
 #                libtorch is already there they run)
@@ -101,7 +101,10 @@ sanitized_part() {  # sanitized_part decoder|sanitizer
 
 step "install" styled_install "$level"
 [ "$failed" = 0 ] || exit 1
-step "build" styled_build release -DSTYLED_TESTS=ON -DSTYLED_TRAIN=ON
+# Benchmarks are no tests, and take a twentieth of the build.
+bench=OFF
+[ "$full" = no ] || bench=ON
+step "build" styled_build release -DSTYLED_TESTS=ON -DSTYLED_TRAIN=ON -DSTYLED_BENCH=$bench
 [ "$failed" = 0 ] || { echo "0 passed, 1 failed"; exit 1; }
 # Most tests wait for clocks and processes: lint has the processors meanwhile.
 setsid nice -n 19 bash -c 'tests/lint.sh; all=$?; echo "lint took $SECONDS s"; tests/lint.sh --changed && exit $all' \
