@@ -157,7 +157,9 @@ void DeclareLike(Session& session) {
             "name of the style, for all clients; a made style of this name is replaced "
             "(default: the file's name)",
             true);
-  like->add_option("--clip", arguments->clip, "the example: BVH, glTF binary or VRMA, 0.3 to 60 s")
+  like->add_option(
+          "--clip", arguments->clip,
+          "the example: BVH, glTF binary or VRMA, 0.3 s or longer; its first 60 s are used")
       ->required();
   like->add_option(
       "--neutral", arguments->neutral_clip,

@@ -324,8 +324,8 @@ class Parser {
     // A value needs at least two characters, so the size of the text limits the memory that a wrong
     // frame count can reserve.
     const std::uint64_t most = scan_.left() / (2 * channel_count_) + 1;
-    if (frames <= most && !FramesFit(frames)) return false;
-    clip_.frames.reserve(std::min({frames, most, MostFrames()}));
+    if (frames <= most && !FramesFit(std::min(frames, FramesWanted()))) return false;
+    clip_.frames.reserve(std::min({frames, most, MostFrames(), FramesWanted()}));
     return Rows(frames);
   }
 
@@ -335,15 +335,15 @@ class Parser {
            FrameBytes(clip_.skeleton.names.size());
   }
   bool FramesFit(std::uint64_t frames) {
-    if (frames > MostFrames()) {
-      return Fail(std::to_string(frames) + " frames of " +
-                      std::to_string(clip_.skeleton.names.size()) + " joints with hardly a channel",
-                  "channels for the joints");
-    }
-    const double length_s = (static_cast<double>(frames) - 1) / clip_.rate_hz;
-    return length_s <= limits_.longest_s ||
-           Refuse(name_ + ": found " + NumberText(static_cast<float>(length_s), 2) +
-                  " s, expected at most " + NumberText(limits_.longest_s));
+    return frames <= MostFrames() ||
+           Fail(std::to_string(frames) + " frames of " +
+                    std::to_string(clip_.skeleton.names.size()) + " joints with hardly a channel",
+                "channels for the joints");
+  }
+  // The frames of limits_.longest_s.
+  std::uint64_t FramesWanted() const {
+    constexpr double kAll = 1e15;
+    return static_cast<std::uint64_t>(std::min(limits_.longest_s * clip_.rate_hz + 1e-6, kAll)) + 1;
   }
 
   // All that there are: Frames: may be wrong.
@@ -359,6 +359,10 @@ class Parser {
         if (frame != frames) {
           Remark(std::to_string(frame) + " rows where Frames: says " + std::to_string(frames));
         }
+        return true;
+      }
+      if (frame == FramesWanted()) {
+        Remark(OnlyBegin(limits_.longest_s));
         return true;
       }
       if (!FramesFit(frame + 1)) return false;
@@ -528,6 +532,10 @@ class Parser {
 
 }  // namespace
 
+std::string OnlyBegin(double seconds) {
+  return "only its first " + NumberText(seconds) + " s are read";
+}
+
 Result<Clip> ParseBvh(std::string_view text, const std::string& name, const ReadLimits& limits) {
   if (text.starts_with("glTF")) {
     return Status::Error(name + ": found glTF, expected BVH");
@@ -536,7 +544,7 @@ Result<Clip> ParseBvh(std::string_view text, const std::string& name, const Read
   return Parser(PlainText(text, utf8), name, limits).Run();
 }
 
-Result<Clip> ReadBvh(const std::filesystem::path& file) {
+Result<Clip> ReadBvh(const std::filesystem::path& file, const ReadLimits& limits) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
                                                                &std::fclose);
   if (!stream)
@@ -556,7 +564,7 @@ Result<Clip> ReadBvh(const std::filesystem::path& file) {
   if (std::ferror(stream.get()) != 0) {
     return Status::Error(file.string() + ": found a file that cannot be read, expected a BVH file");
   }
-  return ParseBvh(text, file.string());
+  return ParseBvh(text, file.string(), limits);
 }
 
 }  // namespace styled::clip

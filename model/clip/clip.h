@@ -33,9 +33,16 @@ struct Clip {
 
 // A reader's limits for a client's file.
 struct ReadLimits {
+  // The length of motion that is read, from its begin; the rest is left out, with a remark.
   double longest_s = std::numeric_limits<double>::infinity();
   WorkLimit work;
 };
+
+// The longest example of a style; longer ones are cut there.
+inline constexpr double kLongestExample_s = 60;
+
+// The remark of a reader that has read the first seconds only.
+std::string OnlyBegin(double seconds);
 
 // The memory that a frame of a skeleton takes, in bytes.
 constexpr std::size_t FrameBytes(std::size_t joints) {
@@ -58,12 +65,12 @@ constexpr std::size_t FrameBytes(std::size_t joints) {
 //
 // Refuses, besides syntax errors: no channels, a channel twice in a joint, numbers beyond 1e9, rows
 // that do not match CHANNELS, no row, more than rig::kMaxSourceJoints joints, a joint's name of
-// more than 256 bytes, and content beyond `limits`. The frames take at most 6 times the text's
-// bytes and 2 MiB: rows of joints that have hardly a channel are refused. Time in proportion to the
-// text. Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for limits, without the
-// line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp, hostile_clips_test.cpp, and by
-// Blender's importer in tests/witness/blender.
-Result<Clip> ReadBvh(const std::filesystem::path& file);
+// more than 256 bytes, and a text that takes longer than limits.work. The frames take at most 6
+// times the text's bytes and 2 MiB: rows of joints that have hardly a channel are refused. Time in
+// proportion to the text. Never throws on content. Errors: "FILE:LINE: found X, expected Y"; for
+// limits.work, without the line. Any thread. Pinned by tests/unit/clip/bvh_test.cpp,
+// hostile_clips_test.cpp, and by Blender's importer in tests/witness/blender.
+Result<Clip> ReadBvh(const std::filesystem::path& file, const ReadLimits& limits = {});
 Result<Clip> ParseBvh(std::string_view text, const std::string& name,
                       const ReadLimits& limits = {});
 

@@ -16,7 +16,7 @@
 // hostile_clips_test.cpp.
 namespace styled::clip::gltf {
 
-inline constexpr double kLongest_s = 60;  // from the first to the last key of a channel
+inline constexpr double kLatest_s = 86400;  // of a key: floats tell milliseconds apart until then
 
 // The accessors of a file, read as floats. Each is read and kept once, however many channels share
 // it, and all together have no more values than the file has bytes of data: of bytes, the smallest

@@ -17,16 +17,16 @@ namespace {
 
 using gltf::Accessors;
 using gltf::IndexOf;
-using gltf::kLongest_s;
+using gltf::kLatest_s;
 using gltf::Member;
 using gltf::Transform;
 using nlohmann::json;
 using rig::Quat;
 using rig::Vec3;
 
-constexpr double kLatest_s = 86400;
 constexpr std::size_t kMaxAbove = 64;  // nodes above the hips
 constexpr double kSlowest_hz = 10, kFastest_hz = 240;
+constexpr double kTooSlow_hz = 1;  // below, a file's keys are no motion
 // The sampled frames take at most this many bytes for each byte of the file, in addition to a fixed
 // allowance (60 s of 55 joints at 43 Hz). If they would take more, they are sampled at a lower
 // rate, because such a file has few keys.
@@ -175,23 +175,28 @@ Result<std::vector<NodeTracks>> ReadTracks(const json& animation, const MovingNo
 // An animation as a clip of the bones.
 class Sampler {
  public:
-  // `bytes`: the size of the file.
+  // `bytes`: the size of the file; `longest_s`: of the motion that is sampled.
   Sampler(const gltf::Nodes& nodes, const gltf::Bones& bones, const MovingNodes& moving,
-          const std::vector<NodeTracks>& tracks, std::size_t bytes)
-      : nodes_(nodes), bones_(bones), moving_(moving), tracks_(tracks), bytes_(bytes) {}
+          const std::vector<NodeTracks>& tracks, std::size_t bytes, double longest_s)
+      : nodes_(nodes),
+        bones_(bones),
+        moving_(moving),
+        tracks_(tracks),
+        bytes_(bytes),
+        longest_s_(longest_s) {}
 
   Status Check() const {
     const Grid grid = MakeGrid();
-    const double length_s = grid.end_s - grid.begin_s;
-    if (length_s <= kLongest_s) return Status::Ok();
-    return Status::Error("found " + NumberText(length_s, 2) + " s, expected at most " +
-                         NumberText(kLongest_s));
+    if (grid.rate_hz >= kTooSlow_hz) return Status::Ok();
+    return Status::Error("found " + NumberText(grid.end_s - grid.begin_s, 2) +
+                         " s of hardly a key, expected a motion");
   }
   Result<Clip> Sample(const WorkLimit& work) const {
     Clip clip;
     clip.skeleton = bones_.skeleton.skeleton;
     const Grid grid = MakeGrid();
     clip.rate_hz = grid.rate_hz;
+    if (grid.cut) clip.remark = OnlyBegin(longest_s_);
     const auto frames =
         static_cast<std::size_t>(std::floor((grid.end_s - grid.begin_s) * grid.rate_hz + 1e-3)) + 1;
     clip.frames.reserve(frames);
@@ -212,6 +217,7 @@ class Sampler {
  private:
   struct Grid {
     double begin_s = kLatest_s, end_s = 0, rate_hz = kSlowest_hz;
+    bool cut = false;  // the motion continues
   };
   Grid MakeGrid() const {
     Grid grid;
@@ -229,6 +235,8 @@ class Sampler {
       look(tracks.rotation);
       look(tracks.translation);
     }
+    grid.cut = grid.end_s - grid.begin_s > longest_s_;
+    if (grid.cut) grid.end_s = grid.begin_s + longest_s_;
     grid.rate_hz = std::min(std::round(grid.rate_hz), kFastest_hz);
     const auto most = static_cast<double>((kSampledBytesPerByte * bytes_ + kSampledAllowance) /
                                           FrameBytes(bones_.nodes.size()));
@@ -283,6 +291,7 @@ class Sampler {
   const MovingNodes& moving_;
   const std::vector<NodeTracks>& tracks_;
   std::size_t bytes_;
+  double longest_s_;
 };
 
 // The first animation that turns a bone; an empty list if there is none.
@@ -328,11 +337,12 @@ void CheckTPose(GltfClip& read) {
   };
   if (!of.t_pose || binds(true) || !binds(false)) return;
   of.t_pose = false;
-  read.clip.remark =
+  read.clip.remark +=
+      std::string(read.clip.remark.empty() ? "" : "; ") +
       "the nodes of its VRM humanoid stand in no T-pose: it is found from how they stand";
 }
 
-Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work,
+Result<GltfClip> Read(std::string_view bytes, const ReadLimits& limits,
                       const rig::JointNames& joints) {
   const auto chunks = gltf::SplitGlb(bytes);
   if (!chunks.ok()) return gltf::Broken(chunks.status().message());
@@ -350,15 +360,16 @@ Result<GltfClip> Read(std::string_view bytes, const WorkLimit& work,
     return Status::Error("found " + std::to_string(above) +
                          " nodes above the hips, expected at most " + std::to_string(kMaxAbove));
   }
-  if (work.exceeded()) return work.Refusal();
+  if (limits.work.exceeded()) return limits.work.Refusal();
   const auto tracks = FindTracks(file.value(), chunks.value().data, moving);
   if (!tracks.ok()) return Status::Error(tracks.status().message() + Required(file.value()));
   // Freed, so that they are not in memory together with the frames.
   file.value() = json();
   model.value() = gltf::Model();
-  const Sampler sampler(nodes.value(), bones.value(), moving, tracks.value(), bytes.size());
+  const Sampler sampler(nodes.value(), bones.value(), moving, tracks.value(), bytes.size(),
+                        limits.longest_s);
   if (const Status status = sampler.Check(); !status.ok()) return status;
-  auto clip = sampler.Sample(work);
+  auto clip = sampler.Sample(limits.work);
   if (!clip.ok()) return clip.status();
   GltfClip read{std::move(clip.value()), std::move(bones.value().skeleton)};
   CheckTPose(read);
@@ -372,7 +383,7 @@ bool IsGltfBinary(std::string_view bytes) { return bytes.starts_with("glTF"); }
 Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
                                const ReadLimits& limits, const rig::JointNames& joints) {
   auto clip = IsGltfBinary(bytes)
-                  ? Read(bytes, limits.work, joints)
+                  ? Read(bytes, limits, joints)
                   : Result<GltfClip>(Status::Error("expected glTF binary (.glb, .vrm, .vrma)"));
   return clip.ok() ? std::move(clip) : Status::Error(name + ": " + clip.status().message());
 }

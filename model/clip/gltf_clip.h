@@ -33,12 +33,12 @@ bool IsGltfBinary(std::string_view bytes);
 // ignored. Refuses, in addition to ReadGltfSkeleton's refusals: a file without its data, data
 // outside the file (also "data:" in the text), sparse or broken accessors, more values in its
 // channels than bytes in the file (and 3 MiB, if packed), times that do not rise, numbers that are
-// not finite, no such animation, more than 60 s, more nodes and channels than take 6 times the
-// file's bytes and 4 MiB, and a file that takes longer than limits.work. A refusal of the data
-// names the extensions that the file requires. Time and memory in proportion to the file. Never
-// throws on content. Errors: "NAME: found X, expected Y". Allocates; any thread. Pinned by
-// tests/unit/clip/gltf_clip_test.cpp, hostile_clips_test.cpp; tests/witness/gltf has files that
-// three.js has written.
+// not finite, no such animation, keys after a day, less than a frame a second, more nodes and
+// channels than take 6 times the file's bytes and 4 MiB, and a file that takes longer than
+// limits.work. A refusal of the data names the extensions that the file requires. Time and memory
+// in proportion to the file. Never throws on content. Errors: "NAME: found X, expected Y".
+// Allocates; any thread. Pinned by tests/unit/clip/gltf_clip_test.cpp, hostile_clips_test.cpp;
+// tests/witness/gltf has files that three.js has written.
 Result<GltfClip> ParseGltfClip(std::string_view bytes, const std::string& name,
                                const ReadLimits& limits = {}, const rig::JointNames& joints = {});
 

@@ -72,7 +72,7 @@ def parse():
                           help='add the example to the made style of that name')
         if name == 'like':
             make.add_argument('--clip', required=True, metavar='FILE',
-                              help='the example: BVH, glTF binary or VRMA, 0.3 to 60 s')
+                              help='the example: BVH, glTF binary or VRMA, 0.3 s or longer; its first 60 s are used')
             make.add_argument('--neutral', metavar='FILE',
                               help='a clip of the same performer moving as usual; only the difference '
                                    'from it is used')

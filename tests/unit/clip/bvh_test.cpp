@@ -369,6 +369,19 @@ TEST(Bvh, DoesNotDependOnTheLocale) {
   if (locale != nullptr) std::setlocale(LC_ALL, "C");
 }
 
+TEST(Bvh, OfALongClipTheBeginIsReadIfThatIsTheLimit) {
+  const std::string text =
+      "HIERARCHY ROOT a\n{ CHANNELS 1 Yrotation } MOTION Frames: 9 Frame Time: 0.1\n"
+      "0\n1\n2\n3\n4\n5\n6\nnot read\n";
+  const Result<Clip> cut = ParseBvh(text, "x", {.longest_s = 0.6, .work = {}});
+  ASSERT_TRUE(cut.ok()) << cut.status().message();
+  EXPECT_EQ(cut.value().frames.size(), 7U);
+  EXPECT_EQ(cut.value().remark, "only its first 0.6 s are read");
+  const Result<Clip> whole = ParseBvh(kSmall, "x", {.longest_s = 1, .work = {}});
+  ASSERT_TRUE(whole.ok()) << whole.status().message();
+  EXPECT_EQ(whole.value().remark, "");
+}
+
 // Pins known facts about the samples.
 TEST(Bvh, ReadsARealClip) {
   const char* set = std::getenv("STYLED_DATA");

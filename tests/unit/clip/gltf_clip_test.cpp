@@ -172,10 +172,34 @@ TEST(GltfClip, AFileWithoutAClipIsRefusedWithTheReason) {
   with([](Parts& p) { std::memset(p.At(p.input(0)) + 8, 0, 4); }, "found times that do not rise");
   with(
       [](Parts& p) {
-        const float late = 75;
+        const float late = 86401;
         std::memcpy(p.At(p.input(0)) + 30 * 4, &late, 4);
       },
-      "found 75 s, expected at most 60");
+      "found a key at 86401 s, expected at most 86400");
+  // A day of 31 keys.
+  with(
+      [](Parts& p) {
+        const float late = 86400;
+        std::memcpy(p.At(p.input(0)) + 30 * 4, &late, 4);
+      },
+      "s of hardly a key, expected a motion");
+}
+
+TEST(GltfClip, OfALongMotionTheBeginIsReadIfThatIsTheLimit) {
+  Parts parts(Glb(Humanoid()));
+  const float late = 75;
+  std::memcpy(parts.At(parts.input(0)) + 30 * 4, &late, 4);
+  const auto whole = ParseGltfClip(parts.Join(), "walk.glb");
+  ASSERT_TRUE(whole.ok()) << whole.status().message();
+  EXPECT_EQ(whole.value().clip.remark, "");
+  const auto cut = ParseGltfClip(parts.Join(), "walk.glb", {.longest_s = 60, .work = {}});
+  ASSERT_TRUE(cut.ok()) << cut.status().message();
+  EXPECT_EQ(cut.value().clip.remark, "only its first 60 s are read");
+  const auto length_s = [](const Clip& clip) {
+    return static_cast<double>(clip.frames.size() - 1) / clip.rate_hz;
+  };
+  EXPECT_NEAR(length_s(whole.value().clip), 75, 0.1);
+  EXPECT_NEAR(length_s(cut.value().clip), 60, 1e-6);
 }
 
 // The writer's own files.

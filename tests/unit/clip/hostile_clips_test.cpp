@@ -121,7 +121,8 @@ std::vector<HostileFile> BvhFiles() {
     }
     return text + "}\n";
   };
-  const std::string one = "CHANNELS 1 Zrotation", few = "with hardly a channel";
+  const std::string one = "CHANNELS 1 Zrotation", few = "with hardly a channel",
+                    none = "found no joint named like hips";
   std::string row = Times(3 * body::kJointCount, "0 ");
   row.back() = '\n';
   const std::string small = Humanoid(kTurns, kTurns);
@@ -138,10 +139,11 @@ std::vector<HostileFile> BvhFiles() {
       {"the same in UTF-16", wide, few},
       {"one joint too many", WithRows(flat(1024, one, 130), Times(129, "0 ") + "0\n", kFile),
        "one more joint, expected at most 256"},
-      {"joints without channels", WithRows(flat(8, one), "0\n", kFile), few},
-      {"hardly a byte per frame", WithRows(flat(1, one), "0\n", kFile), few},
-      {"a humanoid of one channel", WithRows(Humanoid("", one), "0\n", kFile), few},
-      {"more than a minute", WithRows(small, row, kFile), "s, expected at most 60"},
+      // Of these only a minute of frames of 1 ms is read.
+      {"joints without channels", WithRows(flat(8, one), "0\n", kFile), none},
+      {"hardly a byte per frame", WithRows(flat(1, one), "0\n", kFile), none},
+      {"a humanoid of one channel", WithRows(Humanoid("", one), "0\n", kFile), ""},
+      {"more than a minute", WithRows(small, row, kFile), ""},
       {"a minute of the densest text", WithRows(small, row, 60'000 * row.size()), ""},
       {"a name that is the file", "HIERARCHY\nROOT " + std::string(kFile, 'a') + "\n{\n}\n",
        "a joint name of 8388608 bytes"},
