@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <deque>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "daemon/styles/style_list.h"
 #include "model/base/text.h"
-#include "model/clip/bind_clip.h"
+#include "model/clip/any_clip.h"
 #include "model/clip/clip.h"
-#include "model/clip/gltf_clip.h"
 #include "model/rig/dialects.h"
 
 namespace styled::pipeline {
@@ -23,18 +21,8 @@ constexpr std::size_t kMaxSource = 200;  // bytes of a source's name that are ke
 struct Poses {
   std::deque<body::Pose> poses;
   double rate_hz = 0;
-  std::string remark;  // clip::Clip's
+  std::string remark;  // clip::Clip's and clip::BoundClip's
 };
-
-Result<Poses> Bound(Result<clip::Clip>&& clip, const Result<rig::Binding>& bound,
-                    const std::string& name, const WorkLimit& work) {
-  if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
-  const double rate_hz = clip.value().rate_hz;
-  std::string remark = std::move(clip.value().remark);
-  auto poses = clip::ToCanonical(std::move(clip.value()), bound.value(), work, name);
-  if (!poses.ok()) return poses.status();
-  return Poses{std::move(poses.value()), rate_hz, std::move(remark)};
-}
 
 // In the order of their names, so that the same request always does the same.
 rig::JointNames JointsOf(const v1::Like& like) {
@@ -43,32 +31,20 @@ rig::JointNames JointsOf(const v1::Like& like) {
   return joints;
 }
 
-Result<Poses> ReadGltf(const v1::Like& like, const std::string& name, const std::string& rig,
-                       const clip::ReadLimits& limits) {
-  auto clip = clip::ParseGltfClip(like.clip(), name, limits, JointsOf(like));
+Result<Poses> Read(const v1::Like& like, const std::string& name, const clip::ReadLimits& limits) {
+  auto clip = clip::ParseAnyClip(like.clip(), name, limits, JointsOf(like));
   if (!clip.ok()) return clip.status();
-  const auto bound = clip::BindGltf(clip.value(), rig);
-  return Bound(std::move(clip.value().clip), bound, name, limits.work);
-}
-
-Result<Poses> ReadBvh(const v1::Like& like, const std::string& name, const std::string& rig,
-                      const clip::ReadLimits& limits) {
-  auto clip = clip::ParseBvh(like.clip(), name, limits);
-  if (!clip.ok()) return clip.status();
-  const auto bound = clip::BindClip(clip.value(), {rig, {}, JointsOf(like), {}});
+  const std::string rig = like.rig().empty() ? "auto" : like.rig();
+  const auto bound = clip::BindAnyClip(clip.value(), {rig, {}, JointsOf(like), {}});
   if (!bound.ok()) return Status::Error(name + ": " + bound.status().message());
-  std::string& remark = clip.value().remark;
+  clip::Clip& read = clip.value().clip;
+  std::string remark = std::move(read.remark);
   const std::string& own = bound.value().remark;
   remark += (remark.empty() || own.empty() ? "" : "; ") + own;
-  return Bound(std::move(clip), bound.value().binding, name, limits.work);
-}
-
-// Names the format of a clip that is neither; "" if unknown.
-std::string_view OtherFormat(std::string_view bytes) {
-  if (bytes.starts_with("Kaydara FBX")) return "FBX";
-  if (bytes.starts_with("{")) return "glTF as text";
-  if (bytes.starts_with("PK")) return "a ZIP archive";
-  return "";
+  const double rate_hz = read.rate_hz;
+  auto poses = clip::ToCanonical(std::move(read), bound.value().binding, limits.work, name);
+  if (!poses.ok()) return poses.status();
+  return Poses{std::move(poses.value()), rate_hz, std::move(remark)};
 }
 
 // The clip's poses at the network's rate.
@@ -76,14 +52,8 @@ Status ReadClip(const v1::Like& like, const net::Model& model, const net::StyleS
                 const WorkLimit& work, std::vector<body::Pose>& poses, float& seconds,
                 std::string& remark) {
   const std::string name = like.file().empty() ? "the clip" : Printable(like.file(), kMaxSource);
-  const std::string rig = like.rig().empty() ? "auto" : like.rig();
-  if (const std::string_view other = OtherFormat(like.clip()); !other.empty()) {
-    return Malformed(name + ": found " + std::string(other) +
-                     ", expected BVH, glTF binary (.glb) or VRMA");
-  }
-  const clip::ReadLimits limits{.longest_s = kLongestExample_s, .work = work};
-  const auto read = clip::IsGltfBinary(like.clip()) ? ReadGltf(like, name, rig, limits)
-                                                    : ReadBvh(like, name, rig, limits);
+  const clip::ReadLimits limits{.longest_s = clip::kLongestExample_s, .work = work};
+  const auto read = Read(like, name, limits);
   if (!read.ok()) return Malformed(read.status().message());
   const auto& [own, own_hz, own_remark] = read.value();
   remark = own_remark;
@@ -119,9 +89,10 @@ Status CheckExample(const v1::Like& like, const net::Stylizer& network) {
                      std::to_string(examples) + " of them");
   }
   const float learn_s = like.learn_s();
-  if (learn_s != 0 && !(learn_s >= kShortestTake_s && learn_s <= kLongestExample_s)) {
+  if (learn_s != 0 && !(learn_s >= kShortestTake_s && learn_s <= clip::kLongestExample_s)) {
     return Malformed("learn_s: found " + NumberText(learn_s) + ", expected " +
-                     NumberText(kShortestTake_s) + " to " + NumberText(kLongestExample_s) + " s");
+                     NumberText(kShortestTake_s) + " to " + NumberText(clip::kLongestExample_s) +
+                     " s");
   }
   if (like.neutral_code_size() == 0) return {};
   if (like.has_vary() || like.has_design()) {

@@ -12,7 +12,6 @@
 
 namespace styled::pipeline {
 
-inline constexpr double kLongestExample_s = 60;
 inline constexpr float kShortestTake_s = 1;
 
 // Whether a Like can be executed, whatever its example shows: it needs a name, one example, and

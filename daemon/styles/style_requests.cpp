@@ -132,8 +132,8 @@ StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchang
   const bool by_hand = like.has_design();
   const std::size_t most_bytes = MostKept(like);
   std::vector<body::Pose> example;
-  const auto limit =
-      WorkLimit::Within(kLongestRead, "a clip of at most " + NumberText(kLongestExample_s) + " s");
+  const auto limit = WorkLimit::Within(
+      kLongestRead, "a clip of at most " + NumberText(clip::kLongestExample_s) + " s");
   v1::LikeReply& reply = *exchange.reply.mutable_like();
   const auto added = AddStyle(running, like, exchange.take, reply, &example, limit);
   if (!added.ok()) {
