@@ -164,7 +164,7 @@ TEST_F(StylizeFiles, ABadFileDoesNotStopTheOthers) {
   EXPECT_EQ(
       Stylize("-s bent --overwrite -o '" + made_ + "/{name}.bvh' " + empty + " " + in_ + "/a.bvh"),
       1);
-  EXPECT_THAT(output_, HasSubstr("empty: found a folder without .bvh files"));
+  EXPECT_THAT(output_, HasSubstr("empty: found a folder without .bvh, .glb and .vrma files"));
   EXPECT_THAT(output_, HasSubstr("1 of 2 outputs"));
 }
 

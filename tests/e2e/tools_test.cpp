@@ -428,6 +428,42 @@ TEST_F(StylizeClips, RefusesWhatItCannotDo) {
   refuses({"--like", few}, "--like: " + few + ": found 7 frames at 30 Hz, expected at least 8");
 }
 
+TEST_F(StylizeClips, AnExampleMayBeGltf) {
+  const std::string in = Walk("30", "3"), example = Walk("60", "3"), glb = folder_ / "walk.glb";
+  ASSERT_EQ(Run({STYLIZE_BINARY, "-q", "--bind-only", example, glb}), 0) << output_;
+  const std::string of_bvh = folder_ / "of_bvh.bvh";
+  WriteText(of_bvh, Stylize({"--like", example, "--like-neutral", in}, in));
+  ASSERT_NE(Stylize({"--like", glb, "--like-neutral", in}, in), "") << output_;
+  const auto a = clip::ReadBvh(of_bvh), b = clip::ReadBvh(out_);
+  ASSERT_TRUE(a.ok()) << a.status().message();
+  ASSERT_EQ(a.value().frames.size(), b.value().frames.size());
+  for (std::size_t i = 0; i < a.value().frames.size(); ++i) {
+    for (std::size_t j = 0; j < a.value().frames[i].rotations.size(); ++j) {
+      EXPECT_LT(a.value().frames[i].rotations[j].angularDistance(b.value().frames[i].rotations[j]),
+                0.01F);
+    }
+  }
+}
+
+TEST_F(StylizeClips, OfALongExampleTheFirstMinuteIsUsed) {
+  const std::string minute = Walk("30", "60.04"), in = folder_ / "in.bvh";
+  clip::Clip clip = clip::ReadBvh(minute).value();
+  ASSERT_EQ(clip.frames.size(), 1801U);
+  ASSERT_TRUE(clip::WriteBvh(clip, minute).ok());  // both are written the same way
+  for (int i = 0; i < 30; ++i) clip.frames.push_back(clip.frames.front());
+  const std::string longer = folder_ / "longer.bvh";
+  ASSERT_TRUE(clip::WriteBvh(clip, longer).ok());
+  clip.frames.resize(60, rig::RigPose(clip.skeleton));
+  ASSERT_TRUE(clip::WriteBvh(clip, in).ok());
+  const std::string of_minute = Stylize({"--like", minute}, in);
+  EXPECT_EQ(output_.find("warning"), std::string::npos) << output_;
+  ASSERT_NE(of_minute, "");
+  EXPECT_TRUE(Stylize({"--like", longer}, in) == of_minute) << output_;
+  EXPECT_NE(output_.find("--like " + longer + ": warning: only its first 60 s are read"),
+            std::string::npos)
+      << output_;
+}
+
 // The same of live weights that know a space of styles.
 TEST_F(StylizeClips, LiveWeightsTakeExamplesNoiseAndMixToo) {
   UseWeights(stgcn_causal::RandomWeights(4, 16, 1));

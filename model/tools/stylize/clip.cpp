@@ -13,9 +13,10 @@
 #include <utility>
 
 #include "model/base/text.h"
-#include "model/clip/bind_clip.h"
+#include "model/clip/any_clip.h"
 #include "model/net/load.h"
 #include "model/net/shipped_weights.h"
+#include "model/tools/stylize/report.h"
 #include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
@@ -43,24 +44,21 @@ Result<std::vector<body::Pose>> ReadExample(const std::string& file, const char*
   const auto error = [option](const std::string& what) {
     return Status::Error(std::string(option) + ": " + what);
   };
-  const auto clip = clip::ReadBvh(file);
-  if (!clip.ok()) return error(clip.status().message());
-  if (!clip.value().remark.empty()) {
-    std::fprintf(stderr, "stylize: %s %s: warning: %s\n", option, file.c_str(),
-                 clip.value().remark.c_str());
-  }
-  const auto bound = clip::BindClip(clip.value(), binding);
+  const auto read =
+      clip::ReadAnyClip(file, {.longest_s = clip::kLongestExample_s, .work = {}}, binding.joints);
+  if (!read.ok()) return error(read.status().message());
+  const clip::Clip& clip = read.value().clip;
+  const std::string named = std::string(option) + " " + file;
+  Warn(named, clip.remark);
+  const auto bound = clip::BindAnyClip(read.value(), binding);
   if (!bound.ok()) {
     return error(file + ": " + bound.status().message() + " (by hand: --like-joints)");
   }
-  if (!bound.value().remark.empty()) {
-    std::fprintf(stderr, "stylize: %s %s: warning: %s\n", option, file.c_str(),
-                 bound.value().remark.c_str());
-  }
-  const Status length = CheckLength(clip.value(), file, model, space);
+  Warn(named, bound.value().remark);
+  const Status length = CheckLength(clip, file, model, space);
   if (!length.ok()) return error(length.message());
-  return clip::ResamplePoses(clip::ToCanonical(clip.value(), bound.value().binding),
-                             clip.value().rate_hz, static_cast<double>(model.rate_hz));
+  return clip::ResamplePoses(clip::ToCanonical(clip, bound.value().binding), clip.rate_hz,
+                             static_cast<double>(model.rate_hz));
 }
 
 // "sneaky", or "stoop=28,energy=0.6".

@@ -177,7 +177,7 @@ Status Explain(const Arguments& arguments) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto joints = rig::ParseJoints("--joints", arguments.joints);
   if (!joints.ok()) return joints.status();
-  if (extension == ".glb" || extension == ".gltf" || extension == ".vrm") {
+  if (extension == ".glb" || extension == ".gltf" || extension == ".vrm" || extension == ".vrma") {
     return ExplainAvatar(file, joints.value());
   }
   const auto clip = clip::ReadBvh(file);

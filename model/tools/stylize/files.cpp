@@ -26,7 +26,8 @@ std::optional<FileId> IdOf(const std::string& file) {
 bool IsClip(const fs::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".bvh" && !file.filename().string().starts_with(".");
+  return (extension == ".bvh" || extension == ".glb" || extension == ".vrma") &&
+         !file.filename().string().starts_with(".");
 }
 
 // `locked`: folders inside that cannot be read.
@@ -64,7 +65,8 @@ void FindInFolder(const std::string& folder, bool recursive, std::vector<Input>&
     inputs.push_back({folder, "", "", folder + ": cannot be read: " + wrong});
   } else if (found.empty()) {
     inputs.push_back({folder, "", "",
-                      folder + ": found a folder without .bvh files, expected some" +
+                      folder +
+                          ": found a folder without .bvh, .glb and .vrma files, expected some" +
                           (recursive ? "" : " (--recursive looks into the folders in it)")});
   }
   std::sort(found.begin(), found.end());
@@ -215,7 +217,7 @@ Result<std::string> ReadStandardInput() {
   while (const std::size_t got = std::fread(block.data(), 1, block.size(), stdin)) {
     text.append(block.data(), got);
     if (text.size() > kMaxSize) {
-      return Status::Error("standard input: found more than 2 GiB, expected a BVH file");
+      return Status::Error("standard input: found more than 2 GiB, expected a clip");
     }
   }
   if (std::ferror(stdin) != 0) return Status::Error("standard input: cannot be read");

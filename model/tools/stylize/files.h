@@ -24,9 +24,9 @@ struct Input {
   std::string dir;    // {dir}: its folder relative to the folder that was named, or "."
   std::string error;  // why it cannot be used; file is then the name on the command line
 };
-// The clips on the command line: files, kStandard, and the .bvh files of each folder in order of
-// their names, with `recursive` also those of its subfolders. Hidden files are left out, links to
-// folders not followed. A folder without clips is one input with an error.
+// The clips on the command line: files, kStandard, and the .bvh, .glb and .vrma files of each
+// folder in order of their names, with `recursive` also those of its subfolders. Hidden files are
+// left out, links to folders not followed. A folder without clips is one input with an error.
 std::vector<Input> FindInputs(const std::vector<std::string>& named, bool recursive);
 
 // The values of a pattern's {name}, {dir} and {style}.

@@ -1,4 +1,4 @@
-// stylize: restyles BVH clips with the stylist that the daemon runs.
+// stylize: restyles clips with the stylist that the daemon runs.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "model/base/terminal_text.h"
+#include "model/clip/any_clip.h"
 #include "model/clip/avatar.h"
 #include "model/clip/avatar_write.h"
-#include "model/clip/bind_clip.h"
-#include "model/clip/clip.h"
 #include "model/clip/write.h"
 #include "model/net/load.h"
 #include "model/net/shipped_weights.h"
@@ -85,6 +84,7 @@ struct Job {
 // A clip as it is read, with its binding.
 struct Source {
   styled::clip::Clip clip;
+  bool is_gltf;  // in metres
   std::shared_ptr<const styled::rig::Binding> binding;
   std::string dialect, rest;
 };
@@ -262,34 +262,24 @@ class Run {
       if (!read.ok()) return read.status();
       text = std::move(read.value());
     }
-    auto clip = standard ? styled::clip::ParseBvh(text, "standard input")
-                         : styled::clip::ReadBvh(input.file);
-    if (!clip.ok()) {
-      const std::string& why = clip.status().message();
-      return Status::Error(why + (why.ends_with("found glTF, expected BVH")
-                                      ? " (an example may be glTF: stylectl like --clip)"
-                                      : ""));
-    }
-    if (!clip.value().remark.empty()) {
-      std::fprintf(stderr, "stylize: %s: warning: %s\n",
-                   standard ? "standard input" : input.file.c_str(), clip.value().remark.c_str());
-    }
-    auto bound = styled::clip::BindClip(
+    const std::string name = standard ? "standard input" : input.file;
+    auto clip = standard ? styled::clip::ParseAnyClip(text, name, {}, joints_)
+                         : styled::clip::ReadAnyClip(input.file, {}, joints_);
+    if (!clip.ok()) return clip.status();
+    stylize::Warn(name, clip.value().clip.remark);
+    auto bound = styled::clip::BindAnyClip(
         clip.value(), {arguments_.rig, styled::clip::ParseRestPose(arguments_.rest).value(),
                        joints_, styled::clip::ParseUp(arguments_.up).value()});
     if (!bound.ok()) {
       const std::string& why = bound.status().message();
       const bool joints =
           why.find("joint") != std::string::npos && why.find("found no pose") == std::string::npos;
-      return Status::Error((standard ? "standard input" : input.file) + ": " + why +
+      return Status::Error(name + ": " + why +
                            (joints ? " (by hand: --joints CANONICAL=NAME; --explain prints them)"
                                    : " (by hand: --rest, --up; --explain shows the skeleton)"));
     }
-    if (!bound.value().remark.empty()) {
-      std::fprintf(stderr, "stylize: %s: warning: %s\n",
-                   standard ? "standard input" : input.file.c_str(), bound.value().remark.c_str());
-    }
-    return Source{std::move(clip.value()),
+    stylize::Warn(name, bound.value().remark);
+    return Source{std::move(clip.value().clip), clip.value().is_gltf,
                   std::make_shared<const styled::rig::Binding>(std::move(bound.value().binding)),
                   bound.value().dialect, bound.value().rest};
   }
@@ -375,7 +365,7 @@ class Run {
     motion.rest = written_on.spec().rest_rotations;
     motion.canonical_from_source = written_on.spec().canonical_from_source;
     // A BVH does not state its unit: scale the body to the humanoid's height.
-    const bool in_metres = avatar_ && avatar_->metres_per_unit > 0;
+    const bool in_metres = avatar_ ? avatar_->metres_per_unit > 0 : source.is_gltf;
     motion.metres_per_unit = in_metres ? 1 : written_on.scale();
     const bool standard = job.out == stylize::kStandard;
     const std::string format = arguments_.format.empty() ? "bvh" : arguments_.format;
@@ -386,7 +376,9 @@ class Run {
       outcome.note = "bones alone, without meshes: " + why_not_kept_;
     }
     const auto write = [&](const std::string& file) {
-      return keep ? meshes_->Write(*avatar_, motion, file) : styled::clip::Write(file, motion);
+      if (keep) return meshes_->Write(*avatar_, motion, file);
+      if (kind != ".bvh" || !in_metres) return styled::clip::Write(file, motion);
+      return styled::clip::WriteBvh(styled::clip::AsBvh(motion, written_on), file);
     };
     if (Status written =
             standard ? stylize::WriteToStandardOutput(kind, write) : guard_.Write(job.out, write);
@@ -459,7 +451,8 @@ class Run {
 int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app(
-      "Restyles BVH clips, on their own skeletons or on an avatar's: same rate and, except for "
+      "Restyles clips (BVH, glTF, VRMA), on their own skeletons or on an avatar's: same rate and, "
+      "except for "
       "--cadence, same frame count.",
       "stylize");
   stylize::AddOptions(app, arguments);

@@ -1,6 +1,7 @@
 // The argument --neutral of stylize: the source of the performer's own carriage.
-#include "model/clip/bind_clip.h"
+#include "model/clip/any_clip.h"
 #include "model/offline/learn_neutral.h"
+#include "model/tools/stylize/report.h"
 #include "model/tools/stylize/stylize.h"
 
 namespace styled::stylize {
@@ -17,17 +18,15 @@ Result<std::optional<neutral::Known>> ReadNeutral(const Arguments& arguments,
         ": these weights have no reference of how their performers stand and walk; "
         "expected weights of version 3 (styletrain --write-reference)");
   }
-  const auto clip = clip::ReadBvh(file);
+  const auto clip = clip::ReadAnyClip(file, {}, joints);
   if (!clip.ok()) return Status::Error("--neutral: " + clip.status().message());
-  if (!clip.value().remark.empty()) {
-    std::fprintf(stderr, "stylize: --neutral %s: warning: %s\n", file.c_str(),
-                 clip.value().remark.c_str());
-  }
+  Warn("--neutral " + file, clip.value().clip.remark);
   const auto bound =
-      clip::BindClip(clip.value(), {arguments.rig, clip::ParseRestPose(arguments.rest).value(),
-                                    joints, clip::ParseUp(arguments.up).value()});
+      clip::BindAnyClip(clip.value(), {arguments.rig, clip::ParseRestPose(arguments.rest).value(),
+                                       joints, clip::ParseUp(arguments.up).value()});
   if (!bound.ok()) return Status::Error("--neutral: " + file + ": " + bound.status().message());
-  Learned learned = offline::LearnNeutral(clip.value(), bound.value().binding, *model.reference);
+  Learned learned =
+      offline::LearnNeutral(clip.value().clip, bound.value().binding, *model.reference);
   if (learned->body_s > 0) return learned;
   return Status::Error("--neutral " + file +
                        ": found no standing or walking; expected some seconds of it, in the "

@@ -30,10 +30,12 @@ void AddStyleOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("-m,--mix", arguments.mix, "an additional style, STYLE=WEIGHT; at most 4 in total")
       ->take_all()
       ->allow_extra_args(false);  // one value per --mix: the next word may be the input
-  app.add_option("-l,--like", arguments.like,
-                 "an example of the target style, CLIP.bvh or CLIP.bvh=WEIGHT; those without a "
-                 "weight share the rest of 1 equally (weights of family phase, for walks and runs; "
-                 "or of st-gcn)")
+  app.add_option(
+         "-l,--like", arguments.like,
+         "an example of the target style, CLIP or CLIP=WEIGHT: BVH, .glb or .vrma; of one longer "
+         "than 60 s the first 60 s; those without a "
+         "weight share the rest of 1 equally (weights of family phase, for walks and runs; "
+         "or of st-gcn)")
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--like-neutral", arguments.like_neutral,
@@ -81,7 +83,7 @@ void AddStageOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--neutral", arguments.neutral,
                  "the performer's own posture and walk: clip, learned "
                  "from all of the clip; live, from its frames so far, as in a live stream; none; "
-                 "or a BVH file of the same performer")
+                 "or a clip of the same performer")
       ->capture_default_str();
   app.add_option("--posture", arguments.posture,
                  "how much of a style's carriage of trunk, head and shoulders is kept while the "
@@ -140,7 +142,7 @@ void AddFileOptions(CLI::App& app, Arguments& arguments) {
                "print the licences of the weights, and the names to credit");
   app.add_option(
       "files", arguments.files,
-      "input BVH and output file (" + clip::FormatNames() +
+      "input clip (.bvh, .glb, .vrma) and output file (" + clip::FormatNames() +
           "), either of them - for the standard stream; with --out only inputs: files, folders of "
           "them, or -");
 }

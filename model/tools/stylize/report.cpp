@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "model/base/terminal_text.h"
 #include "model/base/text.h"
 
 namespace styled::stylize {
@@ -94,6 +95,12 @@ std::string JsonLine(const Outcome& outcome) {
   if (!outcome.preview.empty()) line["preview"] = outcome.preview;
   if (!outcome.note.empty()) line["note"] = outcome.note;
   return line.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+void Warn(const std::string& file, const std::string& warning) {
+  if (warning.empty()) return;
+  std::fprintf(stderr, "stylize: %s: warning: %s\n", ForTerminal(file).c_str(),
+               ForTerminal(warning).c_str());
 }
 
 ProgressLine::ProgressLine(bool wanted, std::size_t jobs)

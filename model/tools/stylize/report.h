@@ -37,6 +37,9 @@ std::string SummaryLine(const Outcome& outcome);
 // preview, note. Unknown values are absent. Bytes that are not UTF-8 are replaced.
 std::string JsonLine(const Outcome& outcome);
 
+// Prints a warning about a file on standard error; "": nothing.
+void Warn(const std::string& file, const std::string& warning);
+
 // The progress line at the bottom of a terminal; nothing for other outputs.
 class ProgressLine {
  public:
