@@ -93,7 +93,7 @@ TEST_F(StylizeFiles, AFolderInSeveralStylesIsOneCommand) {
   }
   EXPECT_FALSE(Exists("made/bent/c.bvh")) << "a folder in it";
   EXPECT_FALSE(Exists("made/bent/.hidden.bvh"));
-  EXPECT_THAT(out_, HasSubstr("a.bvh: 30 frames at 30 Hz, canonical, feet planted "));
+  EXPECT_THAT(out_, HasSubstr("a.bvh: 30 frames at 30 Hz, canonical, a foot stands in "));
   EXPECT_THAT(out_, HasSubstr("out of domain "));
   EXPECT_EQ(output_, "");
   // The same as one at a time.
@@ -290,6 +290,27 @@ TEST_F(StylizeFiles, SlidingIsThatOfStandingFeetNotOfASwing) {
   // A floor of ice is not overlooked.
   EXPECT_GT(lines[1]["feet"]["input_slide_cm_s"], 12.0);
   EXPECT_LT(lines[1]["feet"]["input_slide_cm_s"], 20.0);
+}
+
+TEST_F(StylizeFiles, FeetThatSlideTwiceAsMuchAreAWarning) {
+  const std::string files = Walk("60", "4") + " " + made_ + ".bvh";
+  // The spine: the feet stay.
+  ASSERT_EQ(Stylize("--json -s bent " + files), 0) << output_;
+  EXPECT_FALSE(Lines()[0].contains("warning"));
+  EXPECT_THAT(output_, Not(HasSubstr("warning")));
+  // A knee that is lifted at every step, and nothing holds its foot.
+  auto offsets = offset::TestOffsets();
+  offsets[1][body::kLeftUpperLeg] = body::Exp(body::Vec3(-0.5F, 0, 0));
+  offsets[1][body::kLeftLowerLeg] = body::Exp(body::Vec3(1.0F, 0, 0));
+  ASSERT_TRUE(offset::Write(weights_, offset::TestModel(), offsets).ok());
+  ASSERT_EQ(Stylize("--json --no-feet -s bent --overwrite " + files), 0) << output_;
+  const json line = Lines()[0];
+  const double slide = line["feet"]["slide_cm_s"], input = line["feet"]["input_slide_cm_s"];
+  EXPECT_GT(slide, 2 * input);
+  EXPECT_THAT(line["warning"].get<std::string>(), HasSubstr("standing feet slide "));
+  EXPECT_THAT(line["warning"].get<std::string>(), Not(HasSubstr("stride")))
+      << "these weights have no speeds";
+  EXPECT_THAT(output_, HasSubstr(".bvh: warning: standing feet slide "));
 }
 
 TEST_F(StylizeFiles, APreviewIsAPictureOrAFilm) {

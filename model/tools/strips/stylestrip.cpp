@@ -7,6 +7,7 @@
 #include "model/clip/bind_clip.h"
 #include "model/clip/clip.h"
 #include "model/feet/legs.h"
+#include "model/net/shipped_weights.h"
 #include "model/synthetic/performer.h"
 #include "model/tools/command_line.h"
 #include "model/tools/number.h"
@@ -87,13 +88,16 @@ Status Run(const Arguments& arguments) {
 
   std::vector<std::pair<std::string, Poses>> rows = {{"input", poses}};
   if (!arguments.styles.empty()) {
-    auto network = styled::trial::Load(arguments.weights);
+    const auto weights = styled::net::FindWeights(arguments.weights);
+    if (!weights.ok()) return weights.status();
+    auto network = styled::trial::Load(weights.value());
     if (!network.ok()) return network.status();
     const auto binding =
         std::make_shared<const styled::rig::Binding>(styled::feet::HumanoidBinding());
     for (const std::string& style : arguments.styles) {
       const int index = styled::net::FindStyle(network.value()->model().styles, style);
-      if (index < 0) return Status::Error(arguments.weights + ": no style \"" + style + "\"");
+      if (index < 0)
+        return Status::Error(weights.value().string() + ": no style \"" + style + "\"");
       if (index == 0) {  // neutral changes nothing
         rows.emplace_back(style, poses);
         continue;
@@ -142,7 +146,8 @@ int main(int argc, char** argv) {
   app.add_option("input", arguments.input, "BVH file");
   app.add_option("--synthetic", arguments.script,
                  "Instead of a file, the synthetic performer by this script, e.g. walk:5");
-  app.add_option("--weights", arguments.weights, "Weights file");
+  app.add_option("--weights", arguments.weights,
+                 "Weights: a file, or the name of shipped ones (default: v2)");
   app.add_option("--style", arguments.styles, "A row in this style; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--strength", arguments.strength, "Of the styles")

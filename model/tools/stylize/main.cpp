@@ -337,6 +337,7 @@ class Run {
       outcome.out_of_domain = styled.out_of_domain;
       outcome.slide_cm_s = styled.slide_cm_s;
       outcome.input_slide_cm_s = styled.input_slide_cm_s;
+      outcome.can_stride = styled.can_stride;
       outcome.turned_deg = styled.turned_deg;
       outcome.moved_cm = styled.moved_cm;
       outcome.seconds = styled.seconds;
@@ -417,6 +418,7 @@ class Run {
                    "with unit rotations from the network, found none\n",
                    outcome.out.c_str(), outcome.own, outcome.input_frames);
     }
+    if (outcome.error.empty()) stylize::Warn(outcome.out, stylize::SlideWarning(outcome));
     if (arguments_.json) {
       std::printf("%s\n", stylize::JsonLine(outcome).c_str());
     } else if (outcome.error.empty() && !arguments_.quiet) {

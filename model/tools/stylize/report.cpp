@@ -35,31 +35,47 @@ bool MostlyUnseen(const Outcome& outcome) { return 2 * outcome.unseen_s > outcom
 
 }  // namespace
 
+std::vector<std::string> FigureLines(const Outcome& outcome) {
+  std::vector<std::string> lines;
+  if (!outcome.styled) return lines;
+  lines.push_back("a foot stands in " + Percent(outcome.planted, outcome.input_frames) +
+                  " of frames");
+  if (outcome.planted > 0) {
+    lines.push_back("standing feet slide " + NumberText(outcome.slide_cm_s, 1) + " cm/s (input " +
+                    NumberText(outcome.input_slide_cm_s, 1) + ")");
+  }
+  lines.push_back("out of domain " + Percent(outcome.out_of_domain, outcome.input_frames));
+  lines.push_back("joints turned by " + NumberText(outcome.turned_deg, 1) + " degrees");
+  if (outcome.unseen_s > 0) {
+    lines.push_back("hardly styled for " + std::to_string(outcome.unseen_s) + " of " +
+                    std::to_string(outcome.seconds) +
+                    " s: the weights leave that motion unchanged");
+  }
+  const std::string held_back = HeldBack(outcome);
+  if (!held_back.empty() && !MostlyUnseen(outcome)) lines.push_back("style shown: " + held_back);
+  return lines;
+}
+
 std::string SummaryLine(const Outcome& outcome) {
   std::string line = outcome.in + " -> " + outcome.out + ": " + std::to_string(outcome.frames) +
                      " frames at " + NumberText(outcome.rate_hz, 3) + " Hz, " + outcome.dialect;
   if (!outcome.rest.empty()) line += " (T-pose from its " + outcome.rest + ")";
-  if (outcome.styled) {
-    line += ", feet planted " + Percent(outcome.planted, outcome.input_frames);
-    if (outcome.planted > 0) {
-      line += ", sliding " + NumberText(outcome.slide_cm_s, 1) + " cm/s (input " +
-              NumberText(outcome.input_slide_cm_s, 1) + ")";
-    }
-    line += ", out of domain " + Percent(outcome.out_of_domain, outcome.input_frames);
-    line += ", joints turned by " + NumberText(outcome.turned_deg, 1) + " degrees";
-    const std::string held_back = HeldBack(outcome);
-    if (outcome.unseen_s > 0) {
-      line += ", hardly styled for " + std::to_string(outcome.unseen_s) + " of " +
-              std::to_string(outcome.seconds) + " s: the weights leave that motion unchanged";
-    }
-    if (!held_back.empty() && !MostlyUnseen(outcome)) {
-      line += ", style shown: " + held_back;
-    }
-  }
+  for (const std::string& figure : FigureLines(outcome)) line += ", " + figure;
   if (outcome.own > 0) line += ", not styled " + std::to_string(outcome.own);
   if (!outcome.preview.empty()) line += "; " + outcome.preview;
   if (!outcome.note.empty()) line += "; " + outcome.note;
   return line;
+}
+
+std::string SlideWarning(const Outcome& outcome) {
+  constexpr double kMost = 2, kSeen_cm_s = 2;
+  const double slide = outcome.slide_cm_s, input = outcome.input_slide_cm_s;
+  if (slide < kSeen_cm_s || slide <= kMost * input) return "";
+  return "standing feet slide " + NumberText(slide, 1) + " cm/s, in the input " +
+         NumberText(input, 1) +
+         (outcome.can_stride ? "; the steps are the style's, the way over the floor is the "
+                               "performer's: --root stride scales the way to the steps"
+                             : "");
 }
 
 std::string JsonLine(const Outcome& outcome) {
@@ -91,6 +107,9 @@ std::string JsonLine(const Outcome& outcome) {
       line["shown_share"][stylist::kLimbNames[limb]] = outcome.shown[limb];
     }
     line["own_frames"] = outcome.own;
+  }
+  if (const std::string warning = SlideWarning(outcome); !warning.empty()) {
+    line["warning"] = warning;
   }
   if (!outcome.preview.empty()) line["preview"] = outcome.preview;
   if (!outcome.note.empty()) line["note"] = outcome.note;

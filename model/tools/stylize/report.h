@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "model/stylist/limb_gate.h"
 #include "model/stylist/visible.h"
@@ -26,15 +27,22 @@ struct Outcome {
   std::array<double, stylist::kLimbCount> shown{};
   std::array<double, stylist::kVisibleLimbs.size()> moved_cm{};
   int seconds = 0, unseen_s = 0;
-  bool styled = false;  // the network ran, so its figures are known
+  bool can_stride = false;  // --root stride is possible and was not requested
+  bool styled = false;      // the network ran, so its figures are known
 };
 
-// "in.bvh -> out.bvh: 171 frames at 60 Hz, cmu, feet planted 71 %, sliding 0.4 cm/s, ..."
+// The figures of a styled output, a clause each; none without a style.
+std::vector<std::string> FigureLines(const Outcome& outcome);
+// "in.bvh -> out.bvh: 171 frames at 60 Hz, cmu, a foot stands in 71 % of frames, standing feet
+// slide 0.4 cm/s (input 0.3), ..."
 std::string SummaryLine(const Outcome& outcome);
+// The warning about an output whose standing feet slide more than twice as fast as the input's, and
+// visibly; "": they do not.
+std::string SlideWarning(const Outcome& outcome);
 // An object: in, out, style, written, error, frames, rate_hz, seconds, dialect, rest, feet
 // {planted_share, slide_cm_s, input_slide_cm_s}, out_of_domain_share, turned_deg, moved_cm {head,
 // ...}, hardly_styled (in most seconds), hardly_styled_s, shown_share {left-arm, ...}, own_frames,
-// preview, note. Unknown values are absent. Bytes that are not UTF-8 are replaced.
+// warning, preview, note. Unknown values are absent. Bytes that are not UTF-8 are replaced.
 std::string JsonLine(const Outcome& outcome);
 
 // Prints a warning about a file on standard error; "": nothing.

@@ -262,6 +262,11 @@ Result<Restyler> Restyler::Make(const Arguments& arguments, const Examples& exam
     if (!added.ok()) return added;
   }
   restyler.settings_ = settings.value();
+  Arguments stride = arguments;
+  stride.cadence = false;
+  settings.value().root = stylist::Root::kStride;
+  restyler.can_stride_ = arguments.root == "follow" &&
+                         CheckGait(stride, restyler.network_.model().styles, settings.value()).ok();
   return restyler;
 }
 
@@ -334,6 +339,7 @@ Result<Styled> Restyler::Run(const std::string& file,
   result.seconds = effect.seconds();
   if (RequestsVisibleStyle()) result.unseen_s = effect.unseen_s();
   result.shown = effect.Shown();
+  result.can_stride = can_stride_;
   return result;
 }
 

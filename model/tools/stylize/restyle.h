@@ -39,6 +39,7 @@ struct Styled {
   // By stylist::Limb: the mean share of the style that it shows. The rest is withheld, because the
   // network does not know the limb's motion.
   std::array<double, stylist::kLimbCount> shown{};
+  bool can_stride = false;  // the weights know what --root stride needs, and it was not requested
   std::vector<double> times_s;  // of each frame, where time passes at the style's cadence
 };
 
@@ -77,6 +78,7 @@ class Restyler {
   stylist::Options options_;
   stylist::Settings settings_;     // of a network that styles frame by frame
   stylist::ClipStyle clip_style_;  // of one that needs whole clips
+  bool can_stride_ = false;
 };
 
 }  // namespace styled::stylize
