@@ -23,57 +23,6 @@ using rig::Vec3;
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kArrayBuffer = 34962;
 constexpr std::uint64_t kMaxSize = 0xFFFF'FFFFU;
 
-Status Check(const Motion& motion) {
-  const auto& skeleton = motion.skeleton;
-  const std::size_t joints = skeleton.names.size();
-  if (joints == 0 || motion.frames.empty()) {
-    return Status::Error("found a motion without joints or frames, expected both");
-  }
-  if (skeleton.parents.size() != joints || skeleton.offsets.size() != joints || joints > 65535 ||
-      (!motion.rest.empty() && motion.rest.size() != joints) ||
-      (!motion.times_s.empty() && motion.times_s.size() != motion.frames.size())) {
-    return Status::Error(
-        "found sizes that differ, expected one parent, offset and rest per joint "
-        "and one time per frame");
-  }
-  if (motion.times_s.empty() && !(motion.rate_hz > 0 && std::isfinite(motion.rate_hz))) {
-    return Status::Error("found a rate of " + NumberText(motion.rate_hz) +
-                         " Hz, expected one above 0");
-  }
-  if (!(motion.metres_per_unit > 0) || !std::isfinite(motion.metres_per_unit)) {
-    return Status::Error("found a unit of no length, expected metres per unit above 0");
-  }
-  for (std::size_t j = 0; j < joints; ++j) {
-    const int parent = skeleton.parents[j];
-    if (j == 0 ? parent != -1 : parent < 0 || parent >= static_cast<int>(j)) {
-      return Status::Error("joint " + std::to_string(j) + ": found parent " +
-                           std::to_string(parent) + ", expected an earlier joint");
-    }
-    if (!skeleton.offsets[j].allFinite()) {
-      return Status::Error("joint " + std::to_string(j) + ": offset is not finite");
-    }
-  }
-  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
-    const auto& frame = motion.frames[i];
-    const std::string name = "frame " + std::to_string(i);
-    if (frame.rotations.size() != joints || frame.translations.size() != joints) {
-      return Status::Error(name + ": found another number of joints than the skeleton's");
-    }
-    for (std::size_t j = 0; j < joints; ++j) {
-      const float square = frame.rotations[j].squaredNorm();
-      if (!frame.translations[j].allFinite() || !std::isfinite(square) || square < 1e-12F) {
-        return Status::Error(name + ", joint " + std::to_string(j) + ": is not a pose");
-      }
-    }
-    if (motion.times_s.empty()) continue;
-    if (!std::isfinite(motion.times_s[i]) ||
-        (i > 0 && motion.times_s[i] <= motion.times_s[i - 1])) {
-      return Status::Error(name + ": found a time not after the last, expected times that grow");
-    }
-  }
-  return Status::Ok();
-}
-
 // Collects the binary chunk with the buffer views and accessors that describe it.
 class Buffer {
  public:
@@ -213,29 +162,10 @@ class Mesh {
   }
 };
 
-// The frames whose times differ as float seconds, and these times, from 0.
-struct Times {
-  std::vector<std::size_t> frames;
-  std::vector<float> seconds;
-};
-
-Times MakeTimes(const Motion& motion) {
-  Times times;
-  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
-    const auto seconds =
-        static_cast<float>(motion.times_s.empty() ? static_cast<double>(i) / motion.rate_hz
-                                                  : motion.times_s[i] - motion.times_s.front());
-    if (i > 0 && seconds <= times.seconds.back()) continue;
-    times.frames.push_back(i);
-    times.seconds.push_back(seconds);
-  }
-  return times;
-}
-
 class Document {
  public:
   explicit Document(const Motion& motion)
-      : motion_(motion), bind_(MakeBindPose(motion)), times_(MakeTimes(motion)) {}
+      : motion_(motion), bind_(MakeBindPose(motion)), times_(TimesOf(motion)) {}
 
   Result<std::vector<std::byte>> Make() {
     const auto values_per_frame =
@@ -370,7 +300,7 @@ class Document {
 
   const Motion& motion_;
   BindPose bind_;
-  Times times_;
+  KeyTimes times_;
   Buffer buffer_;
   json json_;
   int root_ = 0;
@@ -378,8 +308,72 @@ class Document {
 
 }  // namespace
 
+Status CheckMotion(const Motion& motion) {
+  const auto& skeleton = motion.skeleton;
+  const std::size_t joints = skeleton.names.size();
+  if (joints == 0 || motion.frames.empty()) {
+    return Status::Error("found a motion without joints or frames, expected both");
+  }
+  if (skeleton.parents.size() != joints || skeleton.offsets.size() != joints || joints > 65535 ||
+      (!motion.rest.empty() && motion.rest.size() != joints) ||
+      (!motion.times_s.empty() && motion.times_s.size() != motion.frames.size())) {
+    return Status::Error(
+        "found sizes that differ, expected one parent, offset and rest per joint "
+        "and one time per frame");
+  }
+  if (motion.times_s.empty() && !(motion.rate_hz > 0 && std::isfinite(motion.rate_hz))) {
+    return Status::Error("found a rate of " + NumberText(motion.rate_hz) +
+                         " Hz, expected one above 0");
+  }
+  if (!(motion.metres_per_unit > 0) || !std::isfinite(motion.metres_per_unit)) {
+    return Status::Error("found a unit of no length, expected metres per unit above 0");
+  }
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int parent = skeleton.parents[j];
+    if (j == 0 ? parent != -1 : parent < 0 || parent >= static_cast<int>(j)) {
+      return Status::Error("joint " + std::to_string(j) + ": found parent " +
+                           std::to_string(parent) + ", expected an earlier joint");
+    }
+    if (!skeleton.offsets[j].allFinite()) {
+      return Status::Error("joint " + std::to_string(j) + ": offset is not finite");
+    }
+  }
+  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
+    const auto& frame = motion.frames[i];
+    const std::string name = "frame " + std::to_string(i);
+    if (frame.rotations.size() != joints || frame.translations.size() != joints) {
+      return Status::Error(name + ": found another number of joints than the skeleton's");
+    }
+    for (std::size_t j = 0; j < joints; ++j) {
+      const float square = frame.rotations[j].squaredNorm();
+      if (!frame.translations[j].allFinite() || !std::isfinite(square) || square < 1e-12F) {
+        return Status::Error(name + ", joint " + std::to_string(j) + ": is not a pose");
+      }
+    }
+    if (motion.times_s.empty()) continue;
+    if (!std::isfinite(motion.times_s[i]) ||
+        (i > 0 && motion.times_s[i] <= motion.times_s[i - 1])) {
+      return Status::Error(name + ": found a time not after the last, expected times that grow");
+    }
+  }
+  return Status::Ok();
+}
+
+KeyTimes TimesOf(const Motion& motion) {
+  KeyTimes times;
+  for (std::size_t i = 0; i < motion.frames.size(); ++i) {
+    const auto seconds =
+        static_cast<float>(motion.times_s.empty() ? static_cast<double>(i) / motion.rate_hz
+                                                  : motion.times_s[i] - motion.times_s.front());
+    if (i > 0 && seconds <= times.seconds.back()) continue;
+    times.frames.push_back(i);
+    times.seconds.push_back(seconds);
+  }
+  return times;
+}
+
 Result<std::vector<std::byte>> FormatGlb(const Motion& motion) {
-  const Status status = Check(motion);
+  const Status status = CheckMotion(motion);
   if (!status.ok()) return status;
   return Document(motion).Make();
 }

@@ -29,6 +29,16 @@ Result<std::vector<std::byte>> FormatGlb(const Motion& motion);
 // Writes FormatGlb's bytes to a file. Errors name the file.
 Status WriteGlb(const Motion& motion, const std::filesystem::path& file);
 
+// Whether a motion can be written: the errors above, without the size.
+Status CheckMotion(const Motion& motion);
+
+// The frames whose times differ as float seconds, and these times, from 0.
+struct KeyTimes {
+  std::vector<std::size_t> frames;
+  std::vector<float> seconds;
+};
+KeyTimes TimesOf(const Motion& motion);
+
 // The binary form of glTF (4.4) of a JSON text and a buffer; and the writing of such bytes. Errors:
 // more than 4 GiB; a file that cannot be written, which is named.
 Result<std::vector<std::byte>> JoinGlb(std::string text, std::span<const std::byte> binary);

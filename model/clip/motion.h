@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "model/clip/clip.h"
+#include "model/rig/binding.h"
 
 namespace styled::clip {
 
@@ -17,6 +19,8 @@ struct Motion : Clip {
   float metres_per_unit = 1;  // > 0
   // The rotation from the skeleton's axes to +Y up, +Z forward (glTF's axes).
   rig::Quat canonical_from_source = rig::Quat::Identity();
+  // Which joints are the humanoid's, for a format of humanoids; null: it finds them.
+  std::shared_ptr<const rig::Binding> binding;
 };
 
 }  // namespace styled::clip

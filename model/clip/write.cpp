@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "model/clip/glb_write.h"
+#include "model/clip/vrma_write.h"
 
 namespace styled::clip {
 namespace {
@@ -16,6 +17,8 @@ Status WriteMotionAsBvh(const Motion& motion, const std::filesystem::path& file)
 constexpr std::array kFormats{
     Format{".bvh", "BVH file to write, in the rig's units and axes", true, WriteMotionAsBvh},
     Format{".glb", "glTF 2.0 binary to write: metres, Y up", false, WriteGlb},
+    Format{".vrma", "VRM animation to write, for any VRM avatar: the body without fingers and face",
+           false, WriteVrma},
 };
 
 }  // namespace

@@ -7,7 +7,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
+#include "model/clip/any_clip.h"
 #include "model/clip/clip.h"
 #include "tests/e2e/tools.h"
 #include "tests/unit/net/offset/weights.h"
@@ -290,6 +292,59 @@ TEST_F(StylizeFiles, SlidingIsThatOfStandingFeetNotOfASwing) {
   // A floor of ice is not overlooked.
   EXPECT_GT(lines[1]["feet"]["input_slide_cm_s"], 12.0);
   EXPECT_LT(lines[1]["feet"]["input_slide_cm_s"], 20.0);
+}
+
+// The largest angle between joints of two clips, degrees, and distance of hips, cm, on the
+// humanoid.
+std::pair<float, float> Apart(const std::string& a, const std::string& b) {
+  const auto poses = [](const std::string& file) {
+    const auto clip = clip::ReadAnyClip(file);
+    EXPECT_TRUE(clip.ok()) << clip.status().message();
+    const auto bound = clip::BindAnyClip(clip.value());
+    EXPECT_TRUE(bound.ok()) << bound.status().message();
+    return clip::ToCanonical(clip.value().clip, bound.value().binding);
+  };
+  const auto first = poses(a), second = poses(b);
+  EXPECT_EQ(first.size(), second.size());
+  std::pair<float, float> most{0, 0};
+  for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i) {
+    for (std::size_t j = 0; j < body::kJointCount; ++j) {
+      const float angle_rad = first[i].rotations[j].angularDistance(second[i].rotations[j]);
+      most.first = std::max(most.first, angle_rad * 57.29578F);
+    }
+    const float way_m = (first[i].hips_position_m - second[i].hips_position_m).norm();
+    most.second = std::max(most.second, 100 * way_m);
+  }
+  return most;
+}
+
+TEST_F(StylizeFiles, ClipsInGltfAndVrmaAreStyledAsThoseInBvh) {
+  const std::string a = in_ + "/a.bvh", to = folder_ / "to";
+  fs::create_directory(to);
+  ASSERT_EQ(Stylize("-q " + a + " " + to + "/glb.glb"), 0) << output_;
+  ASSERT_EQ(Stylize("-q " + a + " " + to + "/vrma.vrma"), 0) << output_;
+  ASSERT_EQ(Stylize("-q -s bent " + a + " " + made_ + "/bvh.bvh"), 0) << output_;
+  ASSERT_EQ(Stylize("-s bent -o '" + made_ + "/{name}.bvh' " + to), 0) << output_;
+  EXPECT_THAT(out_, HasSubstr("glb.bvh: 30 frames at 30 Hz, gltf, a foot stands"));
+  EXPECT_THAT(out_, HasSubstr("vrma.bvh: 30 frames at 30 Hz, vrm, a foot stands"));
+  ASSERT_EQ(Stylize("-q -s bent -o '" + made_ + "/{name}.vrma' " + to + " " + a), 0) << output_;
+  ASSERT_EQ(Stylize("-q -s bent -o '" + made_ + "/{name}.glb' " + to), 0) << output_;
+  const std::string bvh = made_ + "/bvh.bvh";
+  EXPECT_GT(Apart(a, bvh).first, 10) << "the style is to be seen";
+  for (const char* const other :
+       {"glb.bvh", "vrma.bvh", "glb.vrma", "vrma.vrma", "a.vrma", "glb.glb", "vrma.glb"}) {
+    const auto [degrees, centimetres] = Apart(bvh, made_ + "/" + other);
+    EXPECT_LT(degrees, 0.5) << other;
+    EXPECT_LT(centimetres, 0.5) << other;
+  }
+  ASSERT_EQ(Stylize("-q -s bent -o - --format bvh - <" + to + "/glb.glb"), 0) << output_;
+  EXPECT_EQ(out_, ReadText(made_ + "/glb.bvh"));
+  fs::remove(made_ + "/glb.bvh");
+  EXPECT_EQ(Stylize("-s bent --rest standing " + to + "/glb.glb " + made_ + "/glb.bvh"), 1);
+  EXPECT_THAT(output_, HasSubstr("glb.glb: found a rest pose or an up axis by hand"));
+  WriteText(to + "/fbx.bvh", "Kaydara FBX Binary  ");
+  EXPECT_EQ(Stylize("-s bent " + to + "/fbx.bvh " + made_ + "/fbx.bvh"), 1);
+  EXPECT_THAT(output_, HasSubstr("fbx.bvh: found FBX, expected BVH, glTF binary (.glb) or VRMA"));
 }
 
 TEST_F(StylizeFiles, FeetThatSlideTwiceAsMuchAreAWarning) {

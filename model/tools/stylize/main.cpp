@@ -358,11 +358,13 @@ class Run {
   }
 
   Status Write(const Job& job, const Source& source, styled::clip::Clip clip, Outcome& outcome) {
-    const auto& written_on = avatar_ ? *avatar_->binding : *source.binding;
+    const auto& binding = avatar_ ? avatar_->binding : source.binding;
+    const auto& written_on = *binding;
     styled::clip::Motion motion;
     static_cast<styled::clip::Clip&>(motion) = std::move(clip);
     motion.name = job.input->name;
     if (!outcome.style.empty()) motion.name += " " + outcome.style;
+    motion.binding = binding;
     motion.rest = written_on.spec().rest_rotations;
     motion.canonical_from_source = written_on.spec().canonical_from_source;
     // A BVH does not state its unit: scale the body to the humanoid's height.

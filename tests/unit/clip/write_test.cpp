@@ -16,7 +16,11 @@ using testing::HasSubstr;
 
 Motion Standing() {
   Motion motion;
-  motion.skeleton = {{"hips", "spine"}, {-1, 0}, {rig::Vec3(0, 1, 0), rig::Vec3(0, 0.5F, 0)}};
+  for (const body::JointRow& row : body::kHumanoid) {
+    motion.skeleton.names.emplace_back(row.name);
+    motion.skeleton.parents.push_back(row.parent);
+    motion.skeleton.offsets.emplace_back(row.x_m, row.y_m, row.z_m);
+  }
   motion.rate_hz = 60;
   motion.frames.assign(3, rig::RigPose(motion.skeleton));
   return motion;

@@ -1,6 +1,7 @@
-// The exports of stylerec, read by other projects' programs: the Khronos glTF validator and three.js's
+// The exports of stylerec and stylize, read by other projects' programs: the Khronos glTF validator and three.js's
 // loaders. Each joint must be where expected.json has it, which the project's forward kinematics computed from
-// the recorded poses.  node witness.mjs FOLDER (walk.glb, walk30.glb, worn.glb, walk.bvh, expected.json)
+// the recorded poses.  node witness.mjs FOLDER (walk.glb, walk30.glb, worn.glb, walk.vrma,
+// walk.bvh, expected.json)
 import fs from 'node:fs';
 import path from 'node:path';
 import validator from 'gltf-validator';
@@ -8,6 +9,7 @@ import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { BVHLoader } from 'three/examples/jsm/loaders/BVHLoader.js';
 
+import { VRMAnimationLoaderPlugin } from '@pixiv/three-vrm-animation';
 import { GLTFExporter } from 'three/examples/jsm/exporters/GLTFExporter.js';
 
 globalThis.self = globalThis;
@@ -93,6 +95,26 @@ for (const name of ['walk.glb', 'walk30.glb']) {
   let mesh;
   gltf.scene.traverse((object) => { if (object.isSkinnedMesh) mesh = object; });
   check(mesh?.skeleton.bones.length === expected.names.length, 'worn.glb: the mesh and its skin are there');
+}
+
+// A VRM animation that stylize wrote of the same motion, read by the library that moves VRM avatars.
+{
+  const bytes = read('walk.vrma');
+  const report = await validator.validateBytes(new Uint8Array(bytes));
+  const { numErrors, numWarnings, messages } = report.issues;
+  check(numErrors + numWarnings === 0, `walk.vrma: the validator warns of nothing ${JSON.stringify(messages)}`);
+  const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+  const loader = new GLTFLoader();
+  loader.register((parser) => new VRMAnimationLoaderPlugin(parser));
+  const { scene, animations, userData: { vrmAnimations } } =
+    await new Promise((done, fail) => loader.parse(buffer, '', done, fail));
+  const { rotation, translation } = vrmAnimations[0].humanoidTracks;
+  check(expected.names.every((name) => rotation.has(name)) && rotation.size === expected.names.length,
+        'walk.vrma: a track of each bone of the humanoid');
+  check(translation.size === 1 && translation.has('hips'), 'walk.vrma: the hips alone move');
+  check(Math.abs(vrmAnimations[0].restHipsPosition.y - 0.98) < 1e-6, 'walk.vrma: the hips rest at their height');
+  const most_m = worst(scene, animations[0], (joint) => scene.getObjectByName(joint), expected.metres);
+  check(most_m < 0.01, `walk.vrma: joints are within ${most_m} m`);
 }
 
 const bvh = new BVHLoader().parse(read('walk.bvh').toString());
