@@ -23,6 +23,7 @@
 #include "model/tools/stylize/preview.h"
 #include "model/tools/stylize/report.h"
 #include "model/tools/stylize/restyle.h"
+#include "model/tools/stylize/sheet.h"
 #include "model/tools/stylize/stylize.h"
 
 namespace {
@@ -113,10 +114,12 @@ class Run {
     for (const Job& job : jobs_) {
       const Outcome outcome = Do(job);
       Tell(outcome);
+      if (!arguments_.sheet.empty()) sheet_.Add(outcome, shown_input_, shown_output_);
       if (outcome.written) ++written;
       failed |= !outcome.error.empty();
       some_own |= outcome.own > 0;
     }
+    if (!arguments_.sheet.empty()) failed |= !WriteSheet();
     progress_ = nullptr;
     const std::size_t wanted = jobs_.size() + broken_;
     if (wanted > 1 && written < wanted) {
@@ -132,7 +135,7 @@ class Run {
   Status Plan() {
     std::vector<std::string> named = arguments_.files;
     std::string out = arguments_.out;
-    if (out.empty()) {
+    if (out.empty() && arguments_.sheet.empty()) {
       out = named.back();
       named.pop_back();
     }
@@ -198,6 +201,9 @@ class Run {
   // Reads what all outputs need, each file once: avatar, weights, examples.
   Status ReadFiles() {
     for (const stylize::Input& input : inputs_) guard_.Reads(input.file, "the input");
+    if (!arguments_.sheet.empty()) {
+      if (Status free = guard_.Check(arguments_.sheet); !free.ok()) return free;
+    }
     if (!arguments_.avatar.empty()) {
       auto read = styled::clip::ReadAvatar(arguments_.avatar, "auto", avatar_joints_);
       if (!read.ok()) {
@@ -296,7 +302,7 @@ class Run {
   Outcome Do(const Job& job) {
     Outcome outcome;
     outcome.in = job.input->file;
-    outcome.out = job.out;
+    outcome.out = job.out.empty() ? arguments_.sheet : job.out;
     outcome.style = styles_[job.style];
     progress_->Next(job.input->name + " " + outcome.style);
     for (const std::string* const file : {&job.out, &job.preview}) {
@@ -351,7 +357,7 @@ class Run {
     }
     if (arguments_.cadence) {
       progress_->Clear();
-      stylize::Retime(job.out, styled.times_s, !arguments_.quiet, clip);
+      stylize::Retime(outcome.out, styled.times_s, !arguments_.quiet, clip);
       outcome.frames = clip.frames.size();
     }
     return Write(job, source, std::move(clip), outcome);
@@ -370,6 +376,21 @@ class Run {
     // A BVH does not state its unit: scale the body to the humanoid's height.
     const bool in_metres = avatar_ ? avatar_->metres_per_unit > 0 : source.is_gltf;
     motion.metres_per_unit = in_metres ? 1 : written_on.scale();
+    if (!job.out.empty()) {
+      if (Status written = WriteClip(job, motion, written_on, in_metres, outcome); !written.ok()) {
+        return written;
+      }
+    }
+    outcome.written = true;
+    if (!arguments_.sheet.empty()) {
+      shown_input_ = {styled::clip::ToCanonical(source.clip, *source.binding), source.clip.rate_hz};
+      shown_output_ = {styled::clip::ToCanonical(motion, written_on), motion.rate_hz};
+    }
+    return Preview(job, source, written_on, motion, outcome);
+  }
+
+  Status WriteClip(const Job& job, const styled::clip::Motion& motion,
+                   const styled::rig::Binding& written_on, bool in_metres, Outcome& outcome) {
     const bool standard = job.out == stylize::kStandard;
     const std::string format = arguments_.format.empty() ? "bvh" : arguments_.format;
     const std::string kind =
@@ -383,13 +404,27 @@ class Run {
       if (kind != ".bvh" || !in_metres) return styled::clip::Write(file, motion);
       return styled::clip::WriteBvh(styled::clip::AsBvh(motion, written_on), file);
     };
-    if (Status written =
-            standard ? stylize::WriteToStandardOutput(kind, write) : guard_.Write(job.out, write);
-        !written.ok()) {
-      return written;
+    return standard ? stylize::WriteToStandardOutput(kind, write) : guard_.Write(job.out, write);
+  }
+
+  // Whether the sheet of all outputs is written.
+  bool WriteSheet() {
+    progress_->Clear();
+    if (sheet_.outputs() == 0) {
+      Fail(Status::Error(arguments_.sheet + ": is not written: found no output to show"));
+      return false;
     }
-    outcome.written = true;
-    return Preview(job, source, written_on, motion, outcome);
+    const Status written = guard_.Write(
+        arguments_.sheet, [this](const std::string& file) { return sheet_.Write(file); });
+    if (!written.ok()) {
+      Fail(written);
+    } else if (!arguments_.quiet && !arguments_.json) {
+      std::error_code error;
+      const double bytes = static_cast<double>(std::filesystem::file_size(arguments_.sheet, error));
+      std::fprintf(to_stdout_ ? stderr : stdout, "%s: moving figures: %zu, %.0f kB\n",
+                   styled::ForTerminal(arguments_.sheet).c_str(), sheet_.outputs(), bytes / 1000);
+    }
+    return written.ok();
   }
 
   Status Preview(const Job& job, const Source& source, const styled::rig::Binding& written_on,
@@ -448,6 +483,8 @@ class Run {
   const stylize::Input* source_of_ = nullptr;
   std::optional<Result<Source>> source_;
   stylize::ProgressLine* progress_ = nullptr;
+  stylize::Sheet sheet_;
+  stylize::SheetMotion shown_input_, shown_output_;  // of the last output
 };
 
 }  // namespace

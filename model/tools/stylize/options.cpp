@@ -165,6 +165,9 @@ void AddOutputOptions(CLI::App& app, Arguments& arguments) {
                  "also a picture of input and output, .png, or a video of both, .mp4 (needs "
                  "ffmpeg); a pattern as --out");
 #endif
+  app.add_option("--sheet", arguments.sheet,
+                 "an .html file with all inputs in all styles: moving figures and numbers, for a "
+                 "browser; without --out nothing else is written, and all files are inputs");
   app.add_flag("-r,--recursive", arguments.recursive, "folders with their subfolders");
   app.add_flag("--overwrite", arguments.overwrite, "replace outputs that exist; never an input");
   app.add_flag("--json", arguments.json, "a line of JSON for each output, instead of the summary");
@@ -205,9 +208,21 @@ std::string StyleWord(const Arguments& arguments) {
 
 namespace {
 
+Status CheckPreview(const Arguments& arguments) {
+  if (arguments.preview.empty()) return Status::Ok();
+  const std::string kind = std::filesystem::path(arguments.preview).extension();
+  if (kind == ".png" || kind == ".mp4") return Status::Ok();
+  return Status::Error("--preview " + arguments.preview + ": expected .png or .mp4");
+}
+
 // Decides which files are inputs and which outputs, as far as the command line alone allows.
 Status CheckFiles(const Arguments& arguments) {
   const std::size_t count = arguments.files.size();
+  const bool sheet_alone = !arguments.sheet.empty() && arguments.out.empty();
+  if (!arguments.sheet.empty() && std::filesystem::path(arguments.sheet).extension() != ".html") {
+    return Status::Error("--sheet " + arguments.sheet + ": expected a file .html");
+  }
+  if (sheet_alone && count > 0) return CheckPreview(arguments);
   if (count == 0 || (arguments.out.empty() && count == 1)) {
     return Status::Error("expected an input and an output file; see --help");
   }
@@ -231,10 +246,7 @@ Status CheckFiles(const Arguments& arguments) {
       (arguments.out.empty() && out == kStandard ? 2 : 1)) {
     return Status::Error("-: found the standard input twice");
   }
-  if (arguments.preview.empty()) return Status::Ok();
-  const std::string kind = std::filesystem::path(arguments.preview).extension();
-  if (kind == ".png" || kind == ".mp4") return Status::Ok();
-  return Status::Error("--preview " + arguments.preview + ": expected .png or .mp4");
+  return CheckPreview(arguments);
 }
 
 }  // namespace

@@ -57,8 +57,11 @@ std::vector<std::string> FigureLines(const Outcome& outcome) {
 }
 
 std::string SummaryLine(const Outcome& outcome) {
-  std::string line = outcome.in + " -> " + outcome.out + ": " + std::to_string(outcome.frames) +
-                     " frames at " + NumberText(outcome.rate_hz, 3) + " Hz, " + outcome.dialect;
+  const bool in_sheet = outcome.out.ends_with(".html") && !outcome.style.empty();
+  std::string line = outcome.in + " -> " + outcome.out +
+                     (in_sheet ? " (" + outcome.style + ")" : "") + ": " +
+                     std::to_string(outcome.frames) + " frames at " +
+                     NumberText(outcome.rate_hz, 3) + " Hz, " + outcome.dialect;
   if (!outcome.rest.empty()) line += " (T-pose from its " + outcome.rest + ")";
   for (const std::string& figure : FigureLines(outcome)) line += ", " + figure;
   if (outcome.own > 0) line += ", not styled " + std::to_string(outcome.own);

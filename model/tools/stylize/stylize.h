@@ -46,6 +46,7 @@ struct Arguments {
   std::string out;                 // pattern, or kStandard
   std::string format;              // of standard output: an extension without its dot
   std::string preview;             // pattern
+  std::string sheet;               // an .html file
   bool recursive = false, overwrite = false, json = false, quiet = false;
   std::vector<std::string> joints, avatar_joints, like_joints;  // CANONICAL=NAME
   std::string up = "auto";                                      // clip::ParseUp
