@@ -76,9 +76,7 @@ net::StyleCode CodeOf(const google::protobuf::RepeatedField<float>& numbers) {
 
 Status CheckExample(const v1::Like& like, const net::Stylizer& network) {
   if (network.space() == nullptr) {
-    return Refused(v1::CODE_NO_EXAMPLES,
-                   "the weights of family \"" + network.model().family +
-                       "\" have no style encoder; expected weights that have one");
+    return NoEncoder(network.model());
   }
   const int examples = static_cast<int>(!like.clip().empty()) +
                        static_cast<int>(like.code_size() > 0) +
@@ -124,7 +122,8 @@ Status FindVariation(const v1::Variation& vary, const RuntimeConfig& running,
   const int varying = style == 0 ? 0 : net::VaryingStyle(styles, style);
   if (varying < 0) {
     return Refused(v1::CODE_NO_EXAMPLES, "vary: \"" + styles[static_cast<std::size_t>(style)].name +
-                                             "\": its network has no variations");
+                                             "\": its network has no variations; those that "
+                                             "have are named by model.examples");
   }
   request.sources = {{.style = varying, .seed = vary.seed()}};
   return Status::Ok();

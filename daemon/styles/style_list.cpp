@@ -152,6 +152,13 @@ Status CheckCode(const net::StyleSpace& space, const net::StyleCode& code,
   return usable ? Status::Ok() : Malformed(what + ": expected finite numbers, not huge ones");
 }
 
+Status NoEncoder(const net::Model& model) {
+  return Refused(v1::CODE_NO_EXAMPLES,
+                 "the weights of family \"" + model.family +
+                     "\" have no style encoder; in the configuration model.gaits = \"open\" adds "
+                     "one for walks and runs, model.examples = \"graph\" one for all motion");
+}
+
 void RetireStyle(int number, RuntimeConfig& config) {
   const auto made =
       config.made.find(config.network->model().styles[static_cast<std::size_t>(number)].name);
@@ -165,9 +172,7 @@ void RetireStyle(int number, RuntimeConfig& config) {
 Status PutStyle(MadeStyle style, RuntimeConfig& config, bool in_place) {
   const net::StyleSpace* const space = config.network->space();
   if (space == nullptr) {
-    return Refused(v1::CODE_NO_EXAMPLES,
-                   "the weights of family \"" + config.network->model().family +
-                       "\" have no style encoder; expected weights that have one");
+    return NoEncoder(config.network->model());
   }
   Place place;
   if (auto refusal = FindPlace(config, style.name, place); !refusal.ok()) return refusal;

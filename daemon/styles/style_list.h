@@ -66,6 +66,10 @@ Status RemoveStyle(const MadeStyle& style, RuntimeConfig& config);
 // are not finite or are huge.
 Status CheckCode(const net::StyleSpace& space, const net::StyleCode& code, const std::string& what);
 
+// The refusal of an example or a variation by weights that make no styles; it names the keys of
+// those that do.
+Status NoEncoder(const net::Model& model);
+
 // "crc32c:" and eight digits.
 std::string HashText(std::uint32_t crc);
 std::string HashOfExample(const std::string& bytes);

@@ -147,7 +147,11 @@ StyleRequests::Outcome StyleRequests::Make(const RuntimeConfig& running, Exchang
     log_line_ = "style " + reply.name() + " made from an example; nearest to " + reply.nearest() +
                 ", at " + NumberText(reply.distance(), 2) + " of the distance of styles";
   }
-  if (made->style.library.empty()) return Outcome(made);
+  if (made->style.library.empty()) {
+    // A slider's style is there again as soon as it moves.
+    if (!by_hand) reply.add_weak("without a library (style.library) it ends with the daemon");
+    return Outcome(made);
+  }
   const std::string text =
       ExampleText(example, static_cast<double>(made->network->model().rate_hz), most_bytes);
   MadeStyle style = *made->made.at(reply.name());

@@ -148,6 +148,18 @@ TEST_F(LikeTest, AnInvalidExampleIsRefusedWithTheReason) {
   NextFrame();
 }
 
+TEST_F(LikeTest, OfALongExampleTheFirstMinuteIsTaken) {
+  const v1::Reply whole = control_.Ask(Like("", "minute", WalkBvh(30, 60 + 1.0 / 30)));
+  ASSERT_EQ(whole.code(), v1::CODE_OK) << whole.reason();
+  EXPECT_THAT(whole.like().weak(),
+              testing::ElementsAre("without a library (style.library) it ends with the daemon"));
+  const v1::Reply cut = control_.Ask(Like("", "cut", WalkBvh(30, 62)));
+  ASSERT_EQ(cut.code(), v1::CODE_OK) << cut.reason();
+  EXPECT_THAT(cut.like().weak(), testing::Contains("the file: only its first 60 s are read"));
+  EXPECT_EQ(cut.like().seconds(), 60.0F);
+  EXPECT_THAT(cut.like().code(), testing::ElementsAreArray(whole.like().code()));
+}
+
 TEST_F(LikeTest, APerformerShowsTheStyle) {
   // Frames arrive all the while; the reply arrives after the second and a half that was requested.
   std::atomic<bool> more{true};
@@ -296,8 +308,9 @@ TEST(LikeWithoutExamples, WeightsThatKnowTheirListAloneAreNamed) {
   EXPECT_EQ(reply.code(), v1::CODE_NO_EXAMPLES);
   EXPECT_EQ(
       reply.reason(),
-      "like: the weights of family \"style-erd\" have no style encoder; expected weights that "
-      "have one");
+      "like: the weights of family \"style-erd\" have no style encoder; in the configuration "
+      "model.gaits = \"open\" adds one for walks and runs, model.examples = \"graph\" one for all "
+      "motion");
 }
 
 }  // namespace
