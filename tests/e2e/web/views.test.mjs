@@ -11,9 +11,10 @@ import { makeAvatar } from './avatar.mjs';
 import { axeOf, drawSeldom, drop, endAll, file, launch, patience, start, startAll, startWeb, takePicture, until } from './house.mjs';
 
 const TOKEN = 'a-token-of-this-test';
-let browser, page, address, vmc, rig, link;
+let browser, page, address, vmc, rig, link, panels;
 const violations = async (within) => (await axeOf(page))(within);
 const errors = [];
+const panelsOf = (of) => of.evaluate(() => [...document.querySelectorAll('#app h2')].filter((title) => title.checkVisibility()).map((title) => title.textContent));
 
 before(async () => {
   await startAll('[[source]]\nname = "face"\ntype = "vmc"\nlisten = "127.0.0.1:0"\nperformer = "mia"\n');
@@ -113,6 +114,7 @@ test('no violation of WCAG A or AA; the help is a dialog', async () => {
   await page.evaluate(() => document.querySelector('.unnamed').remove());
   await page.setViewportSize({ width: 1280, height: 720 });
   assert.deepEqual(await violations(), [], 'desk');
+  panels = await panelsOf(page);
   const focused = () => page.evaluate(() => document.querySelector('dialog[open]')?.contains(document.activeElement));
   await page.getByRole('button', { name: 'Keys' }).click();
   assert.ok(await focused());
@@ -248,6 +250,38 @@ test('without WebCodecs the stage is filmed, and its video plays to the end with
   }, base64);
   await blank.close();
   assert.ok(played.width > 200 && played.shown.length > 3 && Math.min(...played.shown) > 200, JSON.stringify(played));
+});
+
+test('without WebGL all panels and Panic remain, and both bodies are drawn as lines', async () => {
+  const poor = await launch(['--disable-3d-apis', '--host-resolver-rules=MAP far.test 127.0.0.1']);
+  try {
+    const lines = await poor.newPage({ viewport: { width: 1280, height: 720 } });
+    lines.setDefaultTimeout(60000 * patience);
+    for (const event of ['pageerror', 'console']) lines.on(event, (one) => (one.type?.() ?? 'error') === 'error' && errors.push(one.message ?? one.text()));
+    await lines.goto(`${address}/#token=${TOKEN}`);
+    assert.equal(await lines.evaluate(() => document.createElement('canvas').getContext('webgl2')), null, 'there is no WebGL');
+    // Pixels of the colours of the two bodies.
+    const drawn = () => lines.evaluate(() => {
+      const { canvas } = globalThis.styled.stage;
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      let before = 0, after = 0, sum = 0;
+      for (let i = 0; i < data.length; i += 4) {
+        before += data[i + 2] > data[i] + 20 && data[i + 2] > 120;
+        after += data[i] > data[i + 2] + 80;
+        sum = (Math.imul(sum, 31) + data[i]) | 0;
+      }
+      return { before, after, sum };
+    });
+    let first;
+    await until(async () => (first = await drawn()).before > 2000 && first.after > 2000, 'two bodies');
+    await until(async () => (await drawn()).sum !== first.sum, 'them to move');
+    assert.deepEqual(await panelsOf(lines), panels);
+    await lines.locator('.panic').click();
+    await until(async () => /all performers are in bypass/.test(await lines.locator('.toast').textContent()), 'panic');
+    await takePicture(lines, 'without WebGL');
+  } finally {
+    await poor.close();
+  }
 });
 
 test('nothing went wrong within', () => assert.deepEqual(errors, []));

@@ -17,6 +17,7 @@ import {
 } from 'three';
 import { makeTransforms, worldTransforms, type Frame } from 'styled-client';
 
+import type { Line, Outline } from './flat.js';
 import type { Part, Skeleton } from './skeleton.js';
 
 /** Level of detail of bodies; lower with software rendering. */
@@ -210,6 +211,26 @@ function bodyMaterial(detail: Detail): MeshStandardMaterial | MeshLambertMateria
   return material;
 }
 
+const THINNER = 0.7; // so that the limbs stay apart
+
+// The same body as lines, for a picture without WebGL.
+function linesOf({ body, joints, height_m }: Skeleton): Line[] {
+  const size = height_m / 1.5;
+  const lines: Line[] = [];
+  body.parents.forEach((parent, joint) => {
+    const { part } = joints[joint]!;
+    if (part === 'head') {
+      lines.push({ from: joint, to: joint, width_m: 2.1 * SHAPES.head[1] * size, shade: SHADES.head!, lift_m: 0.1 * size });
+    }
+    if (parent < 0) return;
+    const from = joints[parent]!.part;
+    if (from === 'head') return; // eyes, jaw and hair are within
+    const [ra, rb] = part === 'beyond' ? SHAPES.beyond : SHAPES[from];
+    lines.push({ from: parent, to: joint, width_m: THINNER * (ra + rb) * size, shade: SHADES[from] ?? 0.92 });
+  });
+  return lines;
+}
+
 export interface FigureLook {
   color: number;
   emissive?: number;
@@ -225,6 +246,7 @@ export class Figure {
   readonly right = new Vector3();
   readonly hips = new Vector3();
   private readonly bones: Bone[];
+  private lines: Line[] | undefined;
   private readonly mesh: SkinnedMesh;
   private readonly material;
   private readonly transforms;
@@ -269,6 +291,13 @@ export class Figure {
     this.hips.fromArray(this.joints);
     if (leftFoot >= 0) this.left.fromArray(this.joints, 3 * leftFoot);
     if (rightFoot >= 0) this.right.fromArray(this.joints, 3 * rightFoot);
+  }
+
+  /** The body as lines; the joints are those of the last pose. */
+  get outline(): Outline {
+    const { color, opacity } = this.material;
+    this.lines ??= linesOf(this.skeleton);
+    return { points: this.joints, at: this.group.matrixWorld, lines: this.lines, color: color.getHex(), opacity };
   }
 
   dispose(): void {

@@ -20,10 +20,15 @@ import {
   AdditiveBlending,
 } from 'three';
 
+import type { Line, Outline } from './flat.js';
+
 export const RADIUS_M = 1.06;
 const STAMPS = 20; // contact marks kept
 const STAMP_S = 3.5;
 const TRAIL = 150; // points per foot
+const CORNERS = 48; // of the rim as lines
+
+const RIM: Line[] = Array.from({ length: CORNERS }, (_, i) => ({ from: i, to: (i + 1) % CORNERS, width_m: 0.02, shade: 0.6 }));
 
 const VERTEX = /* glsl */ `
   varying vec2 place;
@@ -136,7 +141,7 @@ export class Floor {
   private readonly down = [false, false];
   private readonly dummy = new Object3D();
 
-  constructor(color: number) {
+  constructor(private readonly color: number) {
     const tint = new Color(color);
     this.uniforms = {
       offset: { value: new Vector2() },
@@ -176,6 +181,13 @@ export class Floor {
   /** The radius of the patch, at most RADIUS_M. */
   set reach(value: number) {
     this.uniforms.reach.value = value;
+  }
+
+  /** The rim as lines, for a picture without WebGL. */
+  get outline(): Outline {
+    const reach = this.uniforms.reach.value;
+    const points = RIM.flatMap((_, i) => [reach * Math.cos(2 * Math.PI * i / CORNERS), 0, reach * Math.sin(2 * Math.PI * i / CORNERS)]);
+    return { points, at: this.group.matrixWorld, lines: RIM, color: this.color, opacity: 0.3 + 0.5 * this.uniforms.glow.value };
   }
 
   show(trails: boolean, contacts: boolean): void {

@@ -4,6 +4,7 @@ import { Output, type Body, type Stream, type StyledClient, type Update } from '
 
 import type { Avatar } from './avatar.js';
 import { Figure, type Detail } from './figure.js';
+import type { Outline } from './flat.js';
 import { Floor, RADIUS_M } from './floor.js';
 import { Props } from './props.js';
 import { skeletonOf } from './skeleton.js';
@@ -165,6 +166,16 @@ export class PerformerOnStage {
       }
     }
     this.avatar?.draw(dt_s);
+  }
+
+  /** What is visible of it as lines: an avatar's wearer is their body. */
+  *outlines(): Generator<Outline> {
+    if (!this.group.visible) return;
+    for (const { floor, figure } of [this.roles.before, this.roles.after]) {
+      if (!floor.group.visible) continue;
+      if (floor.disc.visible) yield floor.outline;
+      if (figure) yield figure.outline;
+    }
   }
 
   private rebuild(role: Role, body: Body): void {

@@ -29,7 +29,7 @@ export function solo(client: StyledClient, wish: Alone): { element: HTMLElement;
     if (link.kind === 'refused') return link.reason;
     if (link.kind !== 'open') return `styleweb at ${location.host} does not answer.`;
     if (!daemon.up) return daemon.reason || 'The daemon does not answer.';
-    return absent() || fault;
+    return absent() || fault || (stage.flat ? 'Without WebGL in this browser, the body is drawn as lines, and no avatar is drawn.' : '');
   };
   const absent = () => {
     const entry = here?.find(({ performer }) => performer === stage.selected);

@@ -18,6 +18,7 @@ import type { Stream, StyledClient } from 'styled-client';
 
 import { clamp, h, setText } from './dom.js';
 import { COARSE, COARSEST, FINE, type Detail } from './figure.js';
+import { FlatRenderer } from './flat.js';
 import { PerformerOnStage, type Shown, type View } from './performer.js';
 import { Sharpness } from './sharpness.js';
 
@@ -34,6 +35,13 @@ function isSoftware(renderer: WebGLRenderer): boolean {
   const info = gl.getExtension('WEBGL_debug_renderer_info');
   const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+// Undefined: this browser has no WebGL, or it is switched off.
+function webRenderer(alpha: boolean): WebGLRenderer | undefined {
+  const context = h('canvas').getContext('webgl2');
+  context?.getExtension('WEBGL_lose_context')?.loseContext(); // only asked whether there is one
+  return context ? new WebGLRenderer({ antialias: true, alpha, powerPreference: 'high-performance' }) : undefined;
 }
 
 // A dark background with a little light behind the stage.
@@ -74,7 +82,9 @@ export class Stage {
   steady = false;
   onSelect: (name: string) => void = () => {};
 
-  private readonly renderer: WebGLRenderer;
+  /** Without WebGL, bodies are drawn as lines, and avatars are not drawn. */
+  readonly flat: boolean;
+  private readonly renderer: WebGLRenderer | FlatRenderer;
   private readonly detail: Detail = FINE;
   private readonly sharpness = new Sharpness(1);
   private readonly scene = new Scene();
@@ -94,8 +104,10 @@ export class Stage {
     this.view.alone = alone;
     this.view.props = props;
     const wanted = new URLSearchParams(location.search).get('quality');
-    let renderer = new WebGLRenderer({ antialias: true, alpha: alone, powerPreference: 'high-performance' });
-    if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
+    let renderer = webRenderer(alone);
+    this.flat = renderer === undefined;
+    if (!renderer) this.detail = COARSEST;
+    else if (wanted !== 'high' && (wanted === 'low' || isSoftware(renderer))) {
       renderer.dispose();
       const canvas = h('canvas');
       // Opaque, so that nothing behind it needs to be drawn.
@@ -106,8 +118,8 @@ export class Stage {
     } else {
       renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     }
-    this.renderer = renderer;
-    if (alone) renderer.setClearColor(BACKGROUND, 0);
+    this.renderer = renderer ?? new FlatRenderer(alone ? '' : `#${new Color(BACKGROUND).getHexString()}`, () => this.outlines());
+    if (alone) renderer?.setClearColor(BACKGROUND, 0);
     else {
       this.scene.background = this.detail === FINE ? backdrop() : new Color(BACKGROUND);
       this.scene.fog = new Fog(BACKGROUND, 8, 19);
@@ -118,18 +130,22 @@ export class Stage {
     const rim = new DirectionalLight(0x7fa4ff, 1.6);
     rim.position.set(-4, 3, -5);
     this.scene.add(key, rim);
-    this.orbit = new OrbitControls(this.camera, renderer.domElement);
+    const { canvas } = this;
+    this.orbit = new OrbitControls(this.camera, canvas);
     this.orbit.enableDamping = true;
     this.orbit.minDistance = 1.5;
     this.orbit.maxDistance = 14;
     this.orbit.maxPolarAngle = 1.62;
     this.home();
-    renderer.domElement.tabIndex = 0;
-    renderer.domElement.setAttribute('aria-label', 'Stage: drag to look around, wheel to zoom');
-    this.element.append(renderer.domElement, this.labelLayer);
+    canvas.tabIndex = 0;
+    canvas.setAttribute('aria-label', 'Stage: drag to look around, wheel to zoom');
+    this.element.append(canvas, this.labelLayer);
+    if (this.flat && !alone) {
+      this.element.append(h('p', { className: 'flat' }, 'Without WebGL in this browser, bodies are drawn as lines, and avatars are not drawn.'));
+    }
     new ResizeObserver(() => this.resize()).observe(this.element);
-    if (!alone) renderer.domElement.addEventListener('click', (event) => this.pick(event));
-    renderer.setAnimationLoop((now) => this.draw(now));
+    if (!alone) canvas.addEventListener('click', (event) => this.pick(event));
+    this.renderer.setAnimationLoop((now) => this.draw(now));
   }
 
   /** Instead of the live motion, one performer's poses are drawn, from the current camera. */
@@ -173,6 +189,10 @@ export class Stage {
 
   get canvas(): HTMLCanvasElement {
     return this.renderer.domElement;
+  }
+
+  private *outlines() {
+    for (const performer of this.performers.values()) yield* performer.outlines();
   }
 
   home(): void {
