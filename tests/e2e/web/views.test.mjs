@@ -15,9 +15,19 @@ let browser, page, address, vmc, rig, link, panels;
 const violations = async (within) => (await axeOf(page))(within);
 const errors = [];
 const panelsOf = (of) => of.evaluate(() => [...document.querySelectorAll('#app h2')].filter((title) => title.checkVisibility()).map((title) => title.textContent));
+// The panels that are out of sight in whole or in part; the lists of performers and styles scroll within theirs.
+const hiddenPanels = (of) => of.evaluate(async () => {
+  await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+  return [...document.querySelectorAll('#app section:not(.version), .plot, .stage')].filter((panel) => panel.checkVisibility()).filter((panel) => {
+    const { top, bottom, left, right } = panel.getBoundingClientRect();
+    return top < 0 || bottom > innerHeight + 0.5 || left < 0 || right > innerWidth + 0.5 || (panel.scrollHeight > panel.clientHeight + 1);
+  }).map((panel) => `${panel.className}: ${panel.textContent.slice(0, 40)}`);
+});
 
 before(async () => {
-  await startAll('[[source]]\nname = "face"\ntype = "vmc"\nlisten = "127.0.0.1:0"\nperformer = "mia"\n');
+  await startAll('[[source]]\nname = "face"\ntype = "vmc"\nlisten = "127.0.0.1:0"\nperformer = "mia"\n' +
+    '[presets]\nhalf_elderly = { elderly = 0.5 }\nproud_walk = { proud = 1.0 }\n' +
+    '[[cue]]\nname = "act_one"\nstyle = "elderly"\n[[cue]]\nname = "act_two"\nstyle = "proud"\n');
   vmc = JSON.parse(readFileSync(file('ready.json'), 'utf8')).sources[1].listen.replace(/^\w+:\/\//, '');
   rig = await relay();
   start('stylesim', '--as', 'vmc', '--to', `udp://${rig.address}`, '--rate', '30', '--script', 'walk:5,turn-left:1');
@@ -99,6 +109,20 @@ test('on a phone Panic stays in sight, and everything is large enough for a fing
   await takePicture(page, 'phone');
   assert.deepEqual(small, []);
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+  // Without a scroll: the performers under the picture, then styles in the lower half, where a thumb reaches.
+  const { y: chip, height: tall } = await page.locator('[data-performer]').boundingBox();
+  const picture = await page.locator('.stage').boundingBox();
+  assert.ok(chip > picture.y + picture.height && chip + tall < 844 / 2, `the performer is at ${chip}`);
+  const { y: card } = await page.locator('[data-style]').nth(5).boundingBox();
+  assert.ok(card > 844 / 2 && card < 844 - 44, `the sixth style is at ${card}`);
+  const shown = () => page.locator('.plot').first().isVisible();
+  assert.ok(!(await shown()), 'plots are folded');
+  await page.locator('.fold').click();
+  assert.ok(await shown(), 'they unfold');
+  await page.locator('.fold').click();
+  await page.locator('.version .about').click();
+  assert.match(await page.locator('dialog[open]').innerText(), /icences/, 'version and licences are at the end');
+  await page.keyboard.press('Escape');
   await page.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
   const { y, height } = await page.locator('.panic').boundingBox();
   assert.ok(y >= 0 && y + height <= 60, `Panic is at ${y}`);
@@ -276,6 +300,19 @@ test('without WebGL all panels and Panic remain, and both bodies are drawn as li
     await until(async () => (first = await drawn()).before > 2000 && first.after > 2000, 'two bodies');
     await until(async () => (await drawn()).sum !== first.sum, 'them to move');
     assert.deepEqual(await panelsOf(lines), panels);
+    for (const [width, height] of [[1280, 720], [1920, 1080]]) {
+      await lines.setViewportSize({ width, height });
+      assert.deepEqual(await hiddenPanels(lines), [], `${width} x ${height} without a scroll`);
+      await takePicture(lines, `${width}x${height}`);
+    }
+    await lines.setViewportSize({ width: 1280, height: 560 });
+    assert.notDeepEqual(await hiddenPanels(lines), [], 'it would be found');
+    await lines.setViewportSize({ width: 640, height: 360 });
+    await lines.locator('[data-performer]').waitFor();
+    assert.deepEqual(await lines.evaluate(() => [document.querySelector('[data-performer]'), document.querySelector('[data-style]'), document.querySelector('.stage')]
+      .map((element) => element.getBoundingClientRect()).filter(({ top, bottom }) => top < 0 || bottom > innerHeight)), [], 'a phone on its side');
+    await takePicture(lines, '640x360');
+    await lines.setViewportSize({ width: 1280, height: 720 });
     await lines.locator('.panic').click();
     await until(async () => /all performers are in bypass/.test(await lines.locator('.toast').textContent()), 'panic');
     await takePicture(lines, 'without WebGL');

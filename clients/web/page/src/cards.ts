@@ -105,10 +105,10 @@ export class Cards {
     this.paintKind();
   }
 
-  /** The minimum height of the cards in pixels, whatever else is visible. */
-  get least(): number {
+  /** The height in pixels of so many rows of cards with figures, or as much without, if there are so many. */
+  least(most: number): number {
     const rows = Math.ceil(this.cards.size / 3);
-    return this.figured ? 84 * Math.min(rows, 2) : 37 * Math.min(rows, 5);
+    return this.figured ? 84 * Math.min(rows, most) : 37 * Math.min(rows, Math.ceil(2.5 * most));
   }
   private get figured(): boolean {
     return this.moving && !this.previews.refused;

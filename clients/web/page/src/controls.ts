@@ -152,6 +152,8 @@ function unseen(app: App): HTMLElement {
   return box;
 }
 
+const SHORT = matchMedia('(max-height: 800px) and (min-width: 1200px)'); // style.css has the same
+
 export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTMLElement): HTMLElement {
   const percent = (value: number) => `${Math.round(100 * value)} %`;
   const strength = slider('Strength', { min: 0, max: 1.5, step: 0.01 }, percent,
@@ -176,8 +178,9 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
   const calibrate = h('button', {
     onclick: () => void app.calibrateNeutral(),
     title: 'The performer stands, then walks, in their own way for 5 s; without it, it is learned while they move',
-  }, 'Learn their walk');
+  }, 'Learn walk');
   const presetSection = section('Presets', presets);
+  presetSection.classList.add('presets');
   let shown = '';
   app.watch(() => {
     const entry = app.entry();
@@ -206,12 +209,13 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
   const two = h('div', { className: 'two' }, section('Mix', mixPad(app)), section('Body', bodyParts(app)));
   const watching = h('p', { className: 'hint watching' }, 'For watching only: this gateway refuses changes.');
   const controls = h('fieldset', { className: 'whole' }, style,
-    h('section', {}, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
-      h('div', { className: 'row' }, bypass, pin, reset, calibrate)),
+    h('section', { className: 'force' }, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
+      h('div', { className: 'row acts' }, bypass, pin, reset, calibrate)),
     byHand, variation(app), cues, presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;
-    style.style.minHeight = `${100 + none.offsetHeight + cards.least}px`;
+    const rows = SHORT.matches && !cues.hidden ? 1 : 2;
+    style.style.minHeight = `${(SHORT.matches ? 84 : 100) + none.offsetHeight + cards.least(rows)}px`;
     controls.disabled = two.inert = app.watchOnly;
   });
   return h('aside', { className: 'panel right' }, watching, controls);

@@ -44,6 +44,7 @@ export function cuePanel(app: App): CuePanel {
   const go = h('button', { className: 'go', 'data-cue-go': '', onclick: () => void fire(cueBeside(cues, current, 1)) }, h('b', {}, 'GO'), h('span', {}), h('kbd', {}, 'G'));
   const back = h('button', { 'data-cue-back': '', onclick: () => void fire(cueBeside(cues, current, -1)) }, 'Back');
   const element = section('Cues', list, h('div', { className: 'cuerow' }, go, back));
+  element.classList.add('cuebox');
   const paint = () => {
     cues = cuesOf(app.list?.cues ?? []);
     element.hidden = cues.length === 0;

@@ -102,7 +102,7 @@ export class FlatRenderer {
       pen.globalAlpha = opacity;
       pen.beginPath();
       pen.moveTo(from.x, from.y);
-      pen.lineTo(to.x, to.y);
+      pen.lineTo(to.x + 0.01, to.y); // a line of no length would not be drawn
       // An edge, so that an arm is visible in front of the body.
       for (const [color, more] of [[EDGE, wide > THIN ? 2 : 0], [style, 0]] as const) {
         pen.strokeStyle = color;

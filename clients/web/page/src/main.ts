@@ -47,12 +47,15 @@ function whole(client: StyledClient, known: string | undefined): object {
   const byHand = designPanel(app, examples, cards.figure);
   const help = keys(app, stage, left.looks, record, cues, example.cancel, byHand.redo);
 
+  const bar = topBar(app, stage, help.toggle);
+
   document.getElementById('app')!.append(
-    topBar(app, stage, help.toggle),
+    bar.element,
     left.element,
     h('main', {}, stage.element, banner(app), record.badge, example.lesson, toast(app)),
     controls(app, cards, cues.element, byHand.element),
     plots(app, () => chosen()?.missed ?? 0),
+    bar.version,
     menu.element,
     help.element,
     links.element,

@@ -127,5 +127,13 @@ export function plots(app: App, missed: () => number): HTMLElement {
   };
   app.watch(look);
   setInterval(look, 1000);
-  return h('footer', { className: 'plots' }, ...all.map(({ element }) => element));
+  // Where the page is narrow they are folded at first.
+  const fold = h('button', {
+    className: 'quiet fold', 'aria-expanded': 'false', onclick: () => {
+      const folded = box.classList.toggle('folded');
+      fold.setAttribute('aria-expanded', String(!folded));
+    },
+  }, 'Plots');
+  const box = h('footer', { className: 'plots folded' }, fold, ...all.map(({ element }) => element));
+  return box;
 }

@@ -56,8 +56,9 @@ function list(app: App, explain: Dialog): HTMLElement {
       wrong.hidden = wrong.textContent === '';
     }
   });
-  return h('section', { className: 'grow' }, h('h2', {}, 'Performers'), box, empty,
-    h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? Fate of the frames'), ownStyle(app));
+  return h('section', { className: 'grow' }, h('div', { className: 'who' }, h('h2', {}, 'Performers'), box, empty),
+    h('div', { className: 'whose' },
+      h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? Fate of the frames'), ownStyle(app)));
 }
 
 // The parts that other sources provide for a performer, such as a phone the face, and the own

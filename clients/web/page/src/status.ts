@@ -99,16 +99,19 @@ export function toast(app: App): HTMLElement {
   return box;
 }
 
-export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
-  const state = h('span', {}), fps = h('span', { className: 'fps' }), licences = licencesDialog(app),
-    about = h('button', { className: 'quiet about', title: 'Licences: what may be used commercially', 'aria-haspopup': 'dialog', onclick: licences.show });
+/** `version`: the same button as in the bar, for the end of a page that is too narrow for it there. */
+export function topBar(app: App, stage: Stage, help: () => void): { element: HTMLElement; version: HTMLElement } {
+  const state = h('span', {}), fps = h('span', { className: 'fps' }), licences = licencesDialog(app);
+  const about = [0, 1].map(() =>
+    h('button', { className: 'quiet about', title: 'Licences: what may be used commercially', 'aria-haspopup': 'dialog', onclick: licences.show }));
   const light = h('span', { className: 'state' }, h('i', {}), state);
   let known = 0n;
   const learn = async () => {
     const status = await app.client.status();
     known = status.epoch;
     const commercial = status.terms.every(({ commercialUse }) => commercialUse !== CommercialUse.NO);
-    setText(about, `styled ${status.version} · ${status.weights.split('/').pop()}${commercial ? '' : ' · not for commercial use'}`);
+    const words = `styled ${status.version} · ${status.weights.split('/').pop()}${commercial ? '' : ' · not for commercial use'}`;
+    for (const one of about) setText(one, words);
   };
   const undo = h('button', { className: 'quiet undo', 'aria-label': 'Undo', onclick: () => void app.undoLast() },
     h('b', {}, '↶'), h('span', {}, 'Undo'));
@@ -118,16 +121,17 @@ export function topBar(app: App, stage: Stage, help: () => void): HTMLElement {
     undo.title = app.undo.last ? `Undo: ${app.undo.last.what} (Ctrl+Z)` : 'Nothing to undo (Ctrl+Z)';
     panic.disabled = app.watchOnly;
     const now = trouble(app);
-    setText(state, now.kind === 'ok' ? `live · ${app.live().length} performing` : now.title.toLowerCase());
+    state.replaceChildren(...(now.kind === 'ok' ? [`live · ${app.live().length}`, h('span', { className: 'extra' }, ' performing')] : [now.title.toLowerCase()]));
     if (app.client.daemonState.up && app.stats && app.stats.epoch !== known) {
       known = app.stats.epoch;
       learn().catch(() => (known = 0n));
     }
   });
   setInterval(() => setText(fps, `${stage.fps.toFixed(0)} fps`), 1000);
-  return h('header', {},
-    h('h1', {}, h('img', { src: '/icon.svg', alt: '' }), 'Styled'), light, about,
+  const element = h('header', {},
+    h('h1', {}, h('img', { src: '/icon.svg', alt: '' }), h('span', {}, 'Styled')), light, about[0],
     h('span', { className: 'space' }), fps,
     h('button', { className: 'quiet keys', onclick: help, title: 'Keys (?)', 'aria-label': 'Keys', 'aria-haspopup': 'dialog' }, '?'),
     undo, panic, licences.element);
+  return { element, version: h('section', { className: 'version' }, about[1]) };
 }
