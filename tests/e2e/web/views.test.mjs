@@ -11,7 +11,7 @@ import { makeAvatar } from './avatar.mjs';
 import { axeOf, drawSeldom, drop, endAll, file, launch, patience, start, startAll, startWeb, takePicture, until } from './house.mjs';
 
 const TOKEN = 'a-token-of-this-test';
-let browser, page, address, vmc, rig, link, panels;
+let browser, page, address, vmc, rig, link, panels, poor, lines; // `poor`: a browser without WebGL, and its page
 const violations = async (within) => (await axeOf(page))(within);
 const errors = [];
 const panelsOf = (of) => of.evaluate(() => [...document.querySelectorAll('#app h2')].filter((title) => title.checkVisibility()).map((title) => title.textContent));
@@ -47,7 +47,10 @@ before(async () => {
   await until(() => page.evaluate(() => globalThis.styled.app.live().length === 1 && globalThis.styled.app.list), 'a performer');
 });
 
-after(() => endAll(browser));
+after(async () => {
+  await poor?.close();
+  await endAll(browser);
+});
 
 // The rig's datagrams pass through here, so that its face comes from the same sender.
 function relay() {
@@ -277,47 +280,60 @@ test('without WebCodecs the stage is filmed, and its video plays to the end with
 });
 
 test('without WebGL all panels and Panic remain, and both bodies are drawn as lines', async () => {
-  const poor = await launch(['--disable-3d-apis', '--host-resolver-rules=MAP far.test 127.0.0.1']);
-  try {
-    const lines = await poor.newPage({ viewport: { width: 1280, height: 720 } });
-    lines.setDefaultTimeout(60000 * patience);
-    for (const event of ['pageerror', 'console']) lines.on(event, (one) => (one.type?.() ?? 'error') === 'error' && errors.push(one.message ?? one.text()));
-    await lines.goto(`${address}/#token=${TOKEN}`);
-    assert.equal(await lines.evaluate(() => document.createElement('canvas').getContext('webgl2')), null, 'there is no WebGL');
-    // Pixels of the colours of the two bodies.
-    const drawn = () => lines.evaluate(() => {
-      const { canvas } = globalThis.styled.stage;
-      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-      let before = 0, after = 0, sum = 0;
-      for (let i = 0; i < data.length; i += 4) {
-        before += data[i + 2] > data[i] + 20 && data[i + 2] > 120;
-        after += data[i] > data[i + 2] + 80;
-        sum = (Math.imul(sum, 31) + data[i]) | 0;
-      }
-      return { before, after, sum };
-    });
-    let first;
-    await until(async () => (first = await drawn()).before > 2000 && first.after > 2000, 'two bodies');
-    await until(async () => (await drawn()).sum !== first.sum, 'them to move');
-    assert.deepEqual(await panelsOf(lines), panels);
-    for (const [width, height] of [[1280, 720], [1920, 1080]]) {
-      await lines.setViewportSize({ width, height });
-      assert.deepEqual(await hiddenPanels(lines), [], `${width} x ${height} without a scroll`);
-      await takePicture(lines, `${width}x${height}`);
+  poor = await launch(['--disable-3d-apis', '--host-resolver-rules=MAP far.test 127.0.0.1']);
+  lines = await poor.newPage({ viewport: { width: 1280, height: 720 } });
+  lines.setDefaultTimeout(60000 * patience);
+  await drawSeldom(lines);
+  for (const event of ['pageerror', 'console']) lines.on(event, (one) => (one.type?.() ?? 'error') === 'error' && errors.push(one.message ?? one.text()));
+  await lines.goto(`${address}/#token=${TOKEN}`);
+  assert.equal(await lines.evaluate(() => document.createElement('canvas').getContext('webgl2')), null, 'there is no WebGL');
+  // Pixels of the colours of the two bodies.
+  const drawn = () => lines.evaluate(() => {
+    const { canvas } = globalThis.styled.stage;
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    let before = 0, after = 0, sum = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      before += data[i + 2] > data[i] + 20 && data[i + 2] > 120;
+      after += data[i] > data[i + 2] + 80;
+      sum = (Math.imul(sum, 31) + data[i]) | 0;
     }
-    await lines.setViewportSize({ width: 1280, height: 560 });
-    assert.notDeepEqual(await hiddenPanels(lines), [], 'it would be found');
-    await lines.setViewportSize({ width: 640, height: 360 });
-    await lines.locator('[data-performer]').waitFor();
-    assert.deepEqual(await lines.evaluate(() => [document.querySelector('[data-performer]'), document.querySelector('[data-style]'), document.querySelector('.stage')]
-      .map((element) => element.getBoundingClientRect()).filter(({ top, bottom }) => top < 0 || bottom > innerHeight)), [], 'a phone on its side');
-    await takePicture(lines, '640x360');
-    await lines.setViewportSize({ width: 1280, height: 720 });
-    await lines.locator('.panic').click();
-    await until(async () => /all performers are in bypass/.test(await lines.locator('.toast').textContent()), 'panic');
-    await takePicture(lines, 'without WebGL');
-  } finally {
-    await poor.close();
+    return { before, after, sum };
+  });
+  let first;
+  await until(async () => (first = await drawn()).before > 2000 && first.after > 2000, 'two bodies');
+  await until(async () => (await drawn()).sum !== first.sum, 'them to move');
+  assert.deepEqual(await panelsOf(lines), panels);
+  for (const [width, height] of [[1280, 720], [1920, 1080]]) {
+    await lines.setViewportSize({ width, height });
+    assert.deepEqual(await hiddenPanels(lines), [], `${width} x ${height} without a scroll`);
+    await takePicture(lines, `${width}x${height}`);
+  }
+  await lines.setViewportSize({ width: 1280, height: 560 });
+  assert.notDeepEqual(await hiddenPanels(lines), [], 'it would be found');
+  await lines.setViewportSize({ width: 640, height: 360 });
+  await lines.locator('[data-performer]').waitFor();
+  assert.deepEqual(await lines.evaluate(() => [document.querySelector('[data-performer]'), document.querySelector('[data-style]'), document.querySelector('.stage')]
+    .map((element) => element.getBoundingClientRect()).filter(({ top, bottom }) => top < 0 || bottom > innerHeight)), [], 'a phone on its side');
+  await takePicture(lines, '640x360');
+  await lines.setViewportSize({ width: 1280, height: 720 });
+  await lines.locator('.panic').click();
+  await until(async () => /all performers are in bypass/.test(await lines.locator('.toast').textContent()), 'panic');
+  await takePicture(lines, 'without WebGL');
+});
+
+test('a browser that prefers light gets a light page, without a violation; the stage stays dark', async () => {
+  const dark = await lines.evaluate(() => getComputedStyle(document.querySelector('.panel')).backgroundColor);
+  await lines.emulateMedia({ colorScheme: 'light', reducedMotion: 'reduce' });
+  const brightness = (of) => lines.evaluate((of) => getComputedStyle(document.querySelector(of)).backgroundColor.match(/\d+/g).slice(0, 3).map(Number), of);
+  assert.ok((await brightness('.panel')).every((value) => value > 200), dark);
+  assert.ok((await brightness('main')).every((value) => value < 40));
+  const inLight = await axeOf(lines);
+  await lines.locator('[data-style]').nth(3).click();
+  await until(async () => (await lines.locator('[data-style]').nth(3).getAttribute('aria-pressed')) === 'true', 'a chosen style');
+  for (const [width, height] of [[1280, 720], [390, 844]]) {
+    await lines.setViewportSize({ width, height });
+    await takePicture(lines, `light ${width}`);
+    assert.deepEqual(await inLight(), [], `${width} x ${height}`);
   }
 });
 

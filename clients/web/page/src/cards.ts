@@ -53,7 +53,7 @@ export class Cards {
   readonly element: HTMLElement;
   /** Shows or hides the figures. */
   readonly toggle: HTMLElement;
-  readonly figures = new Figures({ near: '#e8d2b4', far: '#8a7454', ground: '#2f3947' });
+  readonly figures = new Figures();
   readonly previews: Previews;
   private readonly grid = h('div', { className: 'styles', role: 'group', 'aria-label': 'Styles' });
   private readonly filter = h('input', {

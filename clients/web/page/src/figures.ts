@@ -1,11 +1,14 @@
 // Draws the small moving figures: one loop for all that are in view, at most 15 pictures a second, none
 // while nothing is in view. With reduced motion preferred, they stand still.
-import { JOINTS, drawFigure, poseAt, type Film, type Ink } from './pictures.js';
+import { lightScheme, schemeColor } from './dom.js';
+import { JOINTS, drawFigure, poseAt, type Film } from './pictures.js';
 
 const PICTURE_MS = 1000 / 15;
 const STILL_S = 0.4; // position in the film that is shown without motion
 
 const reduced = matchMedia('(prefers-reduced-motion: reduce)');
+
+const inkOf = () => ({ near: schemeColor('--ink-near'), far: schemeColor('--ink-far'), ground: schemeColor('--ink-ground') });
 
 export class Figures {
   private readonly shown = new Map<string, { canvas: HTMLCanvasElement; film: Film; begun_ms: number; drawn: boolean }>();
@@ -14,12 +17,16 @@ export class Figures {
   private last_ms = 0;
   /** Pictures drawn of all figures; for tests. */
   pictures = 0;
+  private ink = inkOf();
 
-  constructor(private readonly ink: Ink) {
-    reduced.addEventListener('change', () => {
-      for (const figure of this.shown.values()) figure.drawn = false;
-      this.wake();
-    });
+  constructor() {
+    for (const change of [reduced, lightScheme]) {
+      change.addEventListener('change', () => {
+        this.ink = inkOf();
+        for (const figure of this.shown.values()) figure.drawn = false;
+        this.wake();
+      });
+    }
   }
 
   show(name: string, canvas: HTMLCanvasElement, film: Film): void {

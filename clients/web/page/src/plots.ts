@@ -3,14 +3,14 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
 import type { App } from './app.js';
-import { h, setText } from './dom.js';
+import { h, lightScheme, schemeColor, setText } from './dom.js';
 
 const SECONDS = 120;
 const SILENT_MS = 3500; // statistics come once per second
 
 interface Line {
   label: string;
-  color: string;
+  color: string; // its name in style.css
   fill?: string;
 }
 
@@ -29,12 +29,12 @@ class Plot {
     const legend = lines.length > 1
       ? h('span', { className: 'legend' }, ...lines.map(({ label, color }) => {
         const mark = h('b', {}, label);
-        mark.style.color = color;
+        mark.style.color = `var(${color})`;
         return mark;
       })) : undefined;
     this.element = h('figure', { className: 'plot', title: lines.map(({ label }) => label).join(', ') },
       h('figcaption', {}, h('span', {}, title), legend, this.now), box);
-    const axis = { stroke: '#8a97ab', font: '10px system-ui', ticks: { show: false } };
+    const axis = { stroke: () => schemeColor('--faint'), font: '10px system-ui', ticks: { show: false } };
     this.plot = new uPlot({
       width: 300, height: 78, cursor: { show: false }, legend: { show: false }, padding: [6, 4, 8, 0],
       scales: { x: { time: false, range: (_u, _min, max) => [max - SECONDS, max] },
@@ -42,10 +42,11 @@ class Plot {
       axes: [{ ...axis, show: false },
              { ...axis, size: 38, splits: (_u, _i, min, max) => [min, (min + max) / 2, max],
                values: (_u, ticks) => ticks.map((tick) => tick >= 1000 ? `${(tick / 1000).toFixed(1)}k` : tick.toFixed(tick < 10 && tick > 0 ? 1 : 0)),
-               grid: { stroke: '#1d2530', width: 1 } }],
+               grid: { stroke: () => schemeColor('--plot-grid'), width: 1 } }],
       series: [{}, ...lines.map(({ label, color, fill }) => ({
-        label, stroke: color, width: 1.5, points: { show: false }, ...(fill ? { fill } : {}) }))],
+        label, stroke: () => schemeColor(color), width: 1.5, points: { show: false }, ...(fill ? { fill } : {}) }))],
     }, this.data as uPlot.AlignedData, box);
+    lightScheme.addEventListener('change', () => this.plot.redraw());
     new ResizeObserver(() => {
       if (box.clientWidth > 0) this.plot.setSize({ width: box.clientWidth, height: box.clientHeight });
     }).observe(box);
@@ -87,17 +88,17 @@ class Plot {
 
 export function plots(app: App, missed: () => number): HTMLElement {
   const latency = new Plot('Latency', [
-    { label: 'max', color: '#8a97ab' },
-    { label: 'p99', color: '#7fb4ff' },
-    { label: 'p50', color: '#ffb35c' },
+    { label: 'max', color: '--faint' },
+    { label: 'p99', color: '--plot-blue' },
+    { label: 'p50', color: '--accent' },
   ], ([, p99, p50]) => `${p50!.toFixed(0)} / ${p99!.toFixed(0)} µs`, 100,
   (most) => `max ${most >= 10000 ? `${(most / 1000).toFixed(1)} ms` : `${most.toFixed(0)} µs`}`);
-  const rate = new Plot('Frames', [{ label: 'Hz', color: '#6fd6a8', fill: 'rgba(111,214,168,.08)' }],
+  const rate = new Plot('Frames', [{ label: 'Hz', color: '--good', fill: 'rgba(111,214,168,.08)' }],
     ([hz]) => `${hz!.toFixed(1)} Hz`, 30);
   const drops = new Plot('Lost', [
-    { label: 'rig', color: '#ff7a6b' },
-    { label: 'viewer', color: '#b48cff' },
-    { label: 'late', color: '#ffb35c' }, // left later than a period of the rig after they arrived
+    { label: 'rig', color: '--plot-red' },
+    { label: 'viewer', color: '--plot-violet' },
+    { label: 'late', color: '--accent' }, // left later than a period of the rig after they arrived
   ], ([rig, viewer, late]) => `${rig} / ${viewer} / ${late} per s`, 5);
   const all = [latency, rate, drops];
   let shown = '', lost = 0, viewer = 0, late = 0, at = -1, came_ms = -Infinity;
