@@ -87,6 +87,8 @@ async function pixels() {
     drawing.drawImage(image, 0, 0);
     const { data } = drawing.getImageData(0, 0, image.width, image.height);
     let opaque = 0, clear = 0, top = image.height, bottom = 0;
+    const { width, height } = image;
+    const corners = [0, width - 1, width * (height - 1), width * height - 1].map((i) => data[4 * i + 3]);
     for (let i = 3; i < data.length; i += 4) {
       opaque += data[i] === 255;
       clear += data[i] === 0;
@@ -95,7 +97,8 @@ async function pixels() {
       top = Math.min(top, row);
       bottom = Math.max(bottom, row);
     }
-    return { opaque, clear, all: data.length / 4, corner: [...data.slice(0, 4)], tall: (bottom - top) / image.height };
+    return { opaque, clear, all: data.length / 4, corner: [...data.slice(0, 4)], corners, tall: (bottom - top) / image.height,
+             top: top / image.height };
   }, png.toString('base64'));
   return { ...found, png };
 }
@@ -169,6 +172,11 @@ test('the page links to OBS: avatar, performer, token; a phone gets a code', asy
   await until(async () => /wears Mia v2\.vrm$/.test(await page.locator('.toast').innerText()), 'the avatar to be worn');
   assert.ok(!page.url().includes(TOKEN), 'the token is not left in the address');
   await page.locator('button.links').click();
+  await page.getByLabel('Framing').selectOption('bust');
+  await page.locator('input[name=mirror]').check();
+  assert.match(await page.locator('[data-link=obs]').inputValue(), /&frame=bust&mirror=1#/);
+  await page.getByLabel('Framing').selectOption('');
+  await page.locator('input[name=mirror]').uncheck();
   await page.locator('[data-copy=obs]').click();
   await until(async () => (await page.locator('.copied .hint').first().innerText()) === 'Copied.', 'the copy');
   link = await page.locator('[data-link=obs]').inputValue();
@@ -204,6 +212,30 @@ test('OBS sees the avatar alone, through a transparent page, with its face', asy
   }, 'the face');
   assert.deepEqual(await face(), { happy: 0.75, blinkLeft: 1 });
   assert.ok(!(await page.locator('.note').isVisible()), 'no words on air');
+});
+
+test('OBS is given bust or half, mirrored, through a transparent page, with and without an avatar', async () => {
+  const opaque = {};
+  for (const frame of ['half', 'bust']) {
+    await page.goto('about:blank');
+    await page.goto(link.replace('&avatar=Mia+v2.vrm', '').replace('&bg', `&frame=${frame}&mirror=1&bg`));
+    let seen;
+    await until(async () => (seen = await pixels()).opaque > 0, 'a picture');
+    if (process.env.SCREENSHOTS) writeFileSync(`${process.env.SCREENSHOTS}/obs ${frame}.png`, seen.png);
+    assert.deepEqual(seen.corners, [0, 0, 0, 0], frame);
+    assert.ok(seen.top > 0.04 && seen.top < 0.25 && seen.top + seen.tall > 0.99, `${frame}: ${seen.tall} of the height from ${seen.top}`);
+    opaque[frame] = seen.opaque;
+    assert.equal(await page.locator('.stage canvas').evaluate((canvas) => getComputedStyle(canvas).transform), 'matrix(-1, 0, 0, 1, 0, 0)');
+  }
+  assert.ok(opaque.bust > 1.3 * opaque.half, `a bust is nearer: ${opaque.bust} pixels, half ${opaque.half}`);
+  // The avatar's head in the same place of the picture, whatever the size of the avatar.
+  await page.goto('about:blank');
+  await page.goto(link.replace('&bg', '&frame=bust&bg'));
+  await until(wornAlone, 'the avatar');
+  await until(async () => {
+    const seen = await pixels();
+    return seen.opaque > 0 && seen.top > 0.02 && seen.top < 0.3 && seen.corners.every((alpha) => alpha === 0);
+  }, "the avatar's head", 20);
 });
 
 test('an avatar that OBS does not have is asked for, and kept under the name of the link', async () => {

@@ -1,5 +1,5 @@
 // A VRM avatar from a file, posed by the client library with a styled body and a face.
-import { Group, LoadingManager, Vector3, type Mesh, type Object3D } from 'three';
+import { Box3, Group, LoadingManager, Vector3, type Mesh, type Object3D } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { VRMLoaderPlugin, VRMUtils, type VRM, type VRMHumanBoneName } from '@pixiv/three-vrm';
 import type { Body, Frame } from 'styled-client';
@@ -14,6 +14,8 @@ export class Avatar {
   readonly group = new Group();
   /** A pose has arrived, so the avatar may be shown. */
   ready = false;
+  /** From the head's joint to the top of the avatar, hair included, as it stands. */
+  readonly crown_m: number;
   private readonly poser: VrmPoser;
   private shown: { body: Body; frame: Pose } | undefined;
 
@@ -29,6 +31,8 @@ export class Avatar {
     vrm.scene.traverse((object) => (object.frustumCulled = false));
     this.poser = new VrmPoser(vrm, this.group);
     this.group.add(vrm.scene);
+    const crown = new Box3().setFromObject(vrm.scene).max.y;
+    this.crown_m = Math.max(0.05, crown - (this.place('head')?.y ?? crown));
     this.group.visible = false;
   }
 

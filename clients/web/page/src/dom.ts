@@ -33,12 +33,6 @@ export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** A colour of the page's scheme, by its name in style.css. */
-export function schemeColor(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-export const lightScheme = matchMedia('(prefers-color-scheme: light)');
-
 export function clamp(value: number, low: number, high: number): number {
   return Math.min(high, Math.max(low, value));
 }

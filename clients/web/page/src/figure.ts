@@ -293,6 +293,12 @@ export class Figure {
     if (rightFoot >= 0) this.right.fromArray(this.joints, 3 * rightFoot);
   }
 
+  /** The head's joint in the scene; undefined if the rig has none. */
+  head(): Vector3 | undefined {
+    const { head } = this.skeleton;
+    return head < 0 ? undefined : this.group.localToWorld(new Vector3().fromArray(this.joints, 3 * head));
+  }
+
   /** The body as lines; the joints are those of the last pose. */
   get outline(): Outline {
     const { color, opacity } = this.material;

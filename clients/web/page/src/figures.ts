@@ -1,7 +1,7 @@
 // Draws the small moving figures: one loop for all that are in view, at most 15 pictures a second, none
 // while nothing is in view. With reduced motion preferred, they stand still.
-import { lightScheme, schemeColor } from './dom.js';
 import { JOINTS, drawFigure, poseAt, type Film } from './pictures.js';
+import { lightScheme, schemeColor } from './scheme.js';
 
 const PICTURE_MS = 1000 / 15;
 const STILL_S = 0.4; // position in the film that is shown without motion

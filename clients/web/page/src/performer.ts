@@ -16,6 +16,14 @@ const CLOSE_M = 0.62; // ... for performers in the background
 const ANCHOR_S = 0.12; // time constant of the floor that follows the hips
 const MOVE_S = 0.25; // ... for a performer that moves to another spot
 
+const HEAD_M = 0.14; // of a body without avatar: above the head's joint, per metre up to it
+
+export interface Landmarks {
+  head: Vector3;
+  hips: Vector3;
+  crown_m: number; // of the head above its joint
+}
+
 export interface View {
   overlay: boolean;
   trails: boolean;
@@ -176,6 +184,17 @@ export class PerformerOnStage {
       if (floor.disc.visible) yield floor.outline;
       if (figure) yield figure.outline;
     }
+  }
+
+  /** Places in the scene by which a picture of the styled body is framed; undefined before it is visible. */
+  landmarks(): Landmarks | undefined {
+    const { avatar, roles: { after: { figure } } } = this;
+    if (avatar?.ready) {
+      const head = avatar.place('head'), hips = avatar.place('hips');
+      return head && hips && { head, hips, crown_m: avatar.crown_m };
+    }
+    const head = figure?.head();
+    return figure && head && { head, hips: figure.group.localToWorld(figure.hips.clone()), crown_m: HEAD_M * figure.skeleton.height_m };
   }
 
   private rebuild(role: Role, body: Body): void {

@@ -3,7 +3,8 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
 import type { App } from './app.js';
-import { h, lightScheme, schemeColor, setText } from './dom.js';
+import { h, setText } from './dom.js';
+import { lightScheme, schemeColor } from './scheme.js';
 
 const SECONDS = 120;
 const SILENT_MS = 3500; // statistics come once per second

@@ -22,6 +22,7 @@ export interface Skeleton {
   /** The T-pose in the body's own units and axes. */
   rest: { position: Vector3; rotation: Quaternion }[];
   height_m: number;
+  head: number;
   leftFoot: number;
   rightFoot: number;
 }
@@ -107,5 +108,5 @@ export function skeletonOf(body: Body): Skeleton {
     );
   }
   scene.premultiply(new Matrix4().makeScale(unit_m, unit_m, unit_m));
-  return { body, joints, scene, rest, height_m: tall > 0 ? tall * unit_m : 1.5, leftFoot, rightFoot };
+  return { body, joints, scene, rest, height_m: tall > 0 ? tall * unit_m : 1.5, head: find('head', ''), leftFoot, rightFoot };
 }

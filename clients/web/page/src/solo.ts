@@ -17,6 +17,8 @@ const LISTED = 6; // names
 
 export function solo(client: StyledClient, wish: Alone): { element: HTMLElement; stage: Stage } {
   const stage = new Stage(client, { alone: true, props: wish.props ?? false });
+  stage.framing = wish.framing;
+  if (wish.mirror) stage.canvas.classList.add('mirrored');
   const note = h('p', { className: 'note', role: 'status', hidden: true });
   const file = h('input', { type: 'file', accept: '.vrm', hidden: true });
   let fault = '', timer = 0;

@@ -19,6 +19,7 @@ import type { Stream, StyledClient } from 'styled-client';
 import { clamp, h, setText } from './dom.js';
 import { COARSE, COARSEST, FINE, type Detail } from './figure.js';
 import { FlatRenderer } from './flat.js';
+import type { Framing } from './links.js';
 import { PerformerOnStage, type Shown, type View } from './performer.js';
 import { Sharpness } from './sharpness.js';
 
@@ -27,6 +28,12 @@ const SEEN_MS = 3000; // after a longer time between two frames, the page was hi
 const HOME = new Vector3(0, 1.5, 5.05);
 const TARGET = new Vector3(0, 0.83, 0);
 const TARGET_ALONE = new Vector3(0, 0.93, 0); // from the soles to raised hands
+// Of the height from hips to head, what is below the head in a picture of that framing.
+const BELOW: Record<Framing, number> = { bust: 0.55, half: 1.1 };
+const AIR = 0.12; // above the head, of the picture's height
+const LENS_M = 2.8; // of the camera for a framing: from nearby, a face is distorted
+const TRUNK_S = 20; // time constant of forgetting another avatar's height
+const AIM_S = 0.3; // time constant of its motion
 const HOME_ALONE = new Vector3(0, 1.1, 3.9);
 
 // Whether rendering is done in software, where every pixel is expensive.
@@ -81,6 +88,8 @@ export class Stage {
   /** A video is being recorded: the picture keeps its size. */
   steady = false;
   onSelect: (name: string) => void = () => {};
+  /** Alone: what of the body the camera follows; unset: it stands still. */
+  framing: Framing | undefined;
 
   /** Without WebGL, bodies are drawn as lines, and avatars are not drawn. */
   readonly flat: boolean;
@@ -97,6 +106,8 @@ export class Stage {
   private last_ms = 0;
   private second_ms = 0;
   private inSecond = 0;
+  private trunk_m = 0; // of the framed body
+  private aimed_m = 0; // height of the picture where the body is; 0: not aimed yet
 
   /** `alone`: one performer without floor, labels and background; the page is visible behind it. `props`: the
   objects that the rig tracks are shown. */
@@ -133,7 +144,7 @@ export class Stage {
     const { canvas } = this;
     this.orbit = new OrbitControls(this.camera, canvas);
     this.orbit.enableDamping = true;
-    this.orbit.minDistance = 1.5;
+    this.orbit.minDistance = alone ? 0.2 : 1.5;
     this.orbit.maxDistance = 14;
     this.orbit.maxPolarAngle = 1.62;
     this.home();
@@ -268,6 +279,26 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
+  // The camera follows head and shoulders, however tall the avatar is and whether it sits or stands.
+  private aim(dt_s: number): void {
+    const marks = this.framing && this.performers.get(this.selected)?.landmarks();
+    if (!this.framing || !marks) return;
+    const trunk_m = marks.head.distanceTo(marks.hips);
+    this.trunk_m = Math.max(this.trunk_m * Math.exp(-dt_s / TRUNK_S), trunk_m); // who bends is not shown larger
+    const below_m = BELOW[this.framing] * this.trunk_m;
+    const tall_m = (marks.crown_m + below_m) / (1 - AIR);
+    const middle = marks.head.clone();
+    middle.y += tall_m / 2 - below_m;
+    const { target } = this.orbit;
+    const way = this.camera.position.clone().sub(target).setLength(LENS_M * tall_m);
+    const share = this.aimed_m > 0 ? 1 - Math.exp(-dt_s / AIM_S) : 1;
+    target.lerp(middle, share);
+    this.aimed_m += (tall_m - this.aimed_m) * share;
+    this.camera.position.copy(target).add(way);
+    this.camera.fov = 2 * Math.atan(this.aimed_m / 2 / way.length()) * 180 / Math.PI;
+    this.camera.updateProjectionMatrix();
+  }
+
   private pick(event: MouseEvent): void {
     const box = this.element.getBoundingClientRect();
     const at = new Vector2(
@@ -301,6 +332,7 @@ export class Stage {
       performer.take();
       performer.draw(this.view, performer.name === this.selected, dt_s);
     }
+    this.aim(dt_s);
     this.orbit.update();
     this.renderer.render(this.scene, this.camera);
     if (!this.view.alone) this.drawLabels();

@@ -23,6 +23,10 @@ test('a link is read as it was written, whatever the names', () => {
     assert.equal(aloneOf(`?view=avatar&props=${text}`, isColor).props, shown);
   }
   assert.deepEqual(aloneOf(new URL(obsLink('http://host/', { ...wish, props: true })).search, isColor), { ...wish, props: true });
+  for (const more of [{ framing: 'bust' }, { framing: 'half', mirror: true }]) {
+    assert.deepEqual(aloneOf(new URL(obsLink('http://host/', { ...wish, ...more })).search, isColor), { ...wish, ...more });
+  }
+  assert.equal(aloneOf('?view=avatar&frame=toes', isColor).framing, undefined);
   assert.equal(new URL(link).hash, '#token=se-cret');
   assert.equal(new URL(obsLink('http://host:7080/', wish)).hash, '');
   assert.equal(pageLink('http://host:7080/?view=x', 't'), 'http://host:7080/#token=t');
