@@ -356,6 +356,7 @@ test('a daemon that dies ends the recording; what was got is saved', async () =>
 test('a daemon that dies is missed, and found again', async () => {
   const figures = () => page.locator('.plot output').allInnerTexts();
   await until(async () => / Hz$/.test((await figures())[1]), 'figures');
+  assert.match((await figures())[0], /^[\d.]+ \/ [\d.]+ ms$/);
   daemon.kill('SIGKILL');
   await until(async () => /daemon is away/i.test(await page.locator('.banner').innerText()), 'the banner');
   await until(async () => (await figures()).join() === 'no data,no data,no data', 'the plots to say so');
@@ -427,7 +428,7 @@ test('nothing is cut off or over another, however small the window', async () =>
       await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
       const rows = [document.querySelector('header'), ...document.querySelectorAll('.plot figcaption')];
       // Readings of the maximum length.
-      const long = ['123456 / 123456 µs', '119.9 Hz', '120 / 120 per s'];
+      const long = ['1234 / 12345 ms', '119.9 Hz', '120 / 120 per s'];
       [...document.querySelectorAll('.plot output')].forEach((output, i) => (output.textContent = long[i]));
       const wrong = [];
       for (const row of rows) {

@@ -10,7 +10,6 @@ import { Previews } from './previews.js';
 
 export const STYLE_KEYS = '1234567890';
 const LONG = 20; // letters; a longer name of a made style is cut, and complete in its title
-const FILTER_FROM = 24; // number of styles below which no search is needed
 const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
 const OTHER = ' '; // the key of a figure elsewhere; no style has this name
 const KEPT = 'styled.figures'; // whether figures are shown, in this browser
@@ -239,7 +238,6 @@ export class Cards {
       box.hidden = !text.includes(sought);
       if (!box.hidden) ++matches;
     }
-    this.filter.parentElement!.hidden = this.cards.size < FILTER_FROM && sought === '';
     setText(this.count, sought ? (matches === 0 ? 'none' : `${matches} of ${this.cards.size}`) : '');
   }
 

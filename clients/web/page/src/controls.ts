@@ -16,8 +16,9 @@ function mixPad(app: App): HTMLElement {
     className: 'pad', tabIndex: 0, role: 'application',
     'aria-label': 'Mix pad: left and right mix, up and down strength',
   }, h('span', { className: 'up' }, 'strong'), h('span', { className: 'down' }, 'subtle'), dot);
-  let x = 0.5, y = 0.8;
+  let x = 0.5, y = 1 / 1.5; // strength 1
   const paint = () => {
+    pad.dataset.knob = y > 0.86 ? 'up' : y < 0.14 ? 'down' : ''; // a word is not shown under it
     dot.style.left = `${100 * x}%`;
     dot.style.top = `${100 * (1 - y)}%`;
   };
@@ -173,8 +174,8 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
   }
   const presets = h('div', { className: 'chips' });
   const bypass = h('button', { onclick: () => void app.clear(), title: 'Bypass (B)' }, 'Bypass');
-  const pin = h('button', { onclick: () => void app.pin(!app.entry()?.pinned) }, 'Pin');
-  const reset = h('button', { onclick: () => void app.reset(), title: 'Clears recurrent state' }, 'Reset');
+  const pin = h('button', { title: 'Nothing changes this performer until it is released: no cue, no other user', onclick: () => void app.pin(!app.entry()?.pinned) }, 'Pin');
+  const reset = h('button', { onclick: () => void app.reset(), title: 'The style forgets the last seconds and starts again' }, 'Reset');
   const calibrate = h('button', {
     onclick: () => void app.calibrateNeutral(),
     title: 'The performer stands, then walks, in their own way for 5 s; without it, it is learned while they move',

@@ -22,9 +22,11 @@ class Plot {
   private readonly now = h('output', {});
   private readonly beyond = h('span', { className: 'beyond', hidden: true });
 
-  /** `cut`: values of the first line far above the second are clipped, and shown as a number. */
+  /** `cut`: values of the first line far above the second are clipped, and shown as a number. `limit`: the axis
+  ends there at the latest. */
   constructor(title: string, lines: Line[], private readonly words: (values: number[]) => string,
-              private readonly least: number, private readonly cut?: (most: number) => string) {
+              private readonly least: number, private readonly cut?: (most: number) => string,
+              private readonly limit = () => Infinity) {
     this.data = [[], ...lines.map(() => [])];
     const box = h('div', { className: 'canvas' }, this.beyond);
     const legend = lines.length > 1
@@ -42,7 +44,7 @@ class Plot {
                 y: { range: () => [0, this.top()] } },
       axes: [{ ...axis, show: false },
              { ...axis, size: 38, splits: (_u, _i, min, max) => [min, (min + max) / 2, max],
-               values: (_u, ticks) => ticks.map((tick) => tick >= 1000 ? `${(tick / 1000).toFixed(1)}k` : tick.toFixed(tick < 10 && tick > 0 ? 1 : 0)),
+               values: (_u, ticks) => ticks.map((tick) => tick >= 1000 ? `${(tick / 1000).toFixed(1)}k` : tick.toFixed(tick >= 10 || tick === 0 ? 0 : tick >= 1 ? 1 : 2)),
                grid: { stroke: () => schemeColor('--plot-grid'), width: 1 } }],
       series: [{}, ...lines.map(({ label, color, fill }) => ({
         label, stroke: () => schemeColor(color), width: 1.5, points: { show: false }, ...(fill ? { fill } : {}) }))],
@@ -83,17 +85,20 @@ class Plot {
   }
   private top(): number {
     const most = this.cut ? 1.2 * this.most(1) : 1.12 * Math.max(...this.data.slice(1).map((_, i) => this.most(i)));
-    return Math.max(this.least, most);
+    return Math.min(this.limit(), Math.max(this.least, most));
   }
 }
 
+/** Milliseconds, with as many digits as can be read. */
+export const inMs = (value: number) => value.toFixed(value < 1 ? 2 : value < 100 ? 1 : 0);
+
 export function plots(app: App, missed: () => number): HTMLElement {
+  let period_ms = Infinity; // from frame to frame: what takes longer comes too late
   const latency = new Plot('Latency', [
-    { label: 'max', color: '--faint' },
-    { label: 'p99', color: '--plot-blue' },
-    { label: 'p50', color: '--accent' },
-  ], ([, p99, p50]) => `${p50!.toFixed(0)} / ${p99!.toFixed(0)} µs`, 100,
-  (most) => `max ${most >= 10000 ? `${(most / 1000).toFixed(1)} ms` : `${most.toFixed(0)} µs`}`);
+    { label: 'longest', color: '--faint' },
+    { label: '1 in 100', color: '--plot-blue' },
+    { label: 'typical', color: '--accent' },
+  ], ([, p99, p50]) => `${inMs(p50!)} / ${inMs(p99!)} ms`, 0.1, (most) => `longest ${inMs(most)} ms`, () => period_ms);
   const rate = new Plot('Frames', [{ label: 'Hz', color: '--good', fill: 'rgba(111,214,168,.08)' }],
     ([hz]) => `${hz!.toFixed(1)} Hz`, 30);
   const drops = new Plot('Lost', [
@@ -113,7 +118,8 @@ export function plots(app: App, missed: () => number): HTMLElement {
     if (!entry) return;
     const time_s = performance.now() / 1000;
     const live = entry.live;
-    latency.add(time_s, live ? [entry.latencyMaxUs, entry.latencyP99Us, entry.latencyP50Us] : [null, null, null]);
+    if (live && entry.rateHz > 0) period_ms = 1000 / entry.rateHz;
+    latency.add(time_s, live ? [entry.latencyMaxUs, entry.latencyP99Us, entry.latencyP50Us].map((us) => us / 1000) : [null, null, null]);
     rate.add(time_s, live ? [entry.rateHz] : [null]);
     const [rigNow, viewerNow, lateNow] = [Number(entry.lost), missed(), Number(entry.overBudget)];
     const more = (now: number, before: number) => at < 0 ? 0 : Math.max(0, now - before);

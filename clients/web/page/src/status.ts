@@ -16,6 +16,7 @@ interface Trouble {
   title: string;
   text: string;
   sources?: boolean; // facts about the sources help
+  token?: boolean; // the right one helps
 }
 
 /** The current problem. The title is empty while all is well. */
@@ -23,8 +24,8 @@ function trouble(app: App): Trouble {
   const { linkState: link, daemonState: daemon } = app.client;
   if (link.kind === 'refused') {
     const text = link.status === 401
-      ? `${link.reason}. Open this page as ${location.origin}/#token=...` : link.reason;
-    return { kind: 'bad', title: 'The gateway refuses this page', text };
+      ? `${link.reason}. Type the token, or open this page as ${location.origin}/#token=...` : link.reason;
+    return { kind: 'bad', title: 'The gateway refuses this page', text, token: link.status === 401 };
   }
   if (link.kind !== 'open') {
     return { kind: 'bad', title: 'The gateway is away',
@@ -45,7 +46,15 @@ function trouble(app: App): Trouble {
 
 export function banner(app: App): HTMLElement {
   const title = h('b', {}), text = h('span', {}), list = h('ul', {});
-  const box = h('div', { className: 'banner', role: 'status' }, title, text, list);
+  const given = h('input', { type: 'password', name: 'token', required: true, autocomplete: 'off', 'aria-label': 'Token of this gateway' });
+  const token = h('form', {
+    className: 'token', hidden: true, onsubmit: (event: Event) => {
+      event.preventDefault();
+      sessionStorage.setItem('token', given.value.trim());
+      location.reload();
+    },
+  }, given, h('button', { className: 'go' }, 'Open'));
+  const box = h('div', { className: 'banner', role: 'status' }, title, text, token, list);
   let stats: Stats | undefined, found: string[] = [];
   app.client.on('stats', (now) => {
     found = app.live().length === 0 ? findings(now, stats) : [];
@@ -58,6 +67,7 @@ export function banner(app: App): HTMLElement {
     box.dataset.kind = now.kind;
     setText(title, now.title);
     setText(text, now.text);
+    token.hidden = now.token !== true;
     const lines = now.sources ? found : [];
     list.hidden = lines.length === 0;
     // A screen reader is notified of changes, not once a second.
