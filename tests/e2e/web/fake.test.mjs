@@ -333,6 +333,17 @@ test('what was found of an example is listed, and it can be added to the made st
   assert.match(await page.locator('.result').innerText(), /^pirate\.bvh is added to thief/);
   assert.deepEqual(await page.locator('.result .found li').allInnerTexts(), daemon.found.found);
   assert.deepEqual(await page.locator('.result .weak li').allInnerTexts(), daemon.found.weak);
+  const ordinary = page.locator('[data-ordinary]'), { gateway } = daemon, publish = gateway.publish.bind(gateway);
+  assert.ok(!(await ordinary.isVisible()));
+  gateway.publish = (topic, bytes) => {
+    if (topic !== 'stats/') return publish(topic, bytes);
+    const stats = fromBinary(StatsSchema, bytes);
+    for (const entry of stats.performers) entry.hardlyStyled = true;
+    return publish(topic, toBinary(StatsSchema, stats));
+  };
+  await until(() => ordinary.isVisible(), 'the sentence that the example is ordinary motion');
+  gateway.publish = publish;
+  await until(async () => !(await ordinary.isVisible()), 'it to go');
   assert.doesNotMatch(await page.locator('.result').innerText(), /weak mixture/, 'what is measured is good however far it is');
   assert.deepEqual(await (await axeOf(page))('.examples'), []);
   Object.assign(daemon.list, { sliders: [], designs: [], styles: daemon.list.styles.filter(({ made }) => !made) });

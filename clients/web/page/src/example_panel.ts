@@ -6,6 +6,7 @@ import { h, setText } from './dom.js';
 import { fileFault, outcomeOf, type Examples, type Outcome } from './examples.js';
 import { Course, type Phase } from './learn.js';
 import { kindOf, nameFault, proposedName, replacedBy } from './names.js';
+import { Ordinary } from './ordinary.js';
 
 const TICK_MS = 50;
 
@@ -163,8 +164,16 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
   const result = h('div', { className: 'result', role: 'status' });
   const list = (className: string, title: string, lines: string[] = []) =>
     lines.length === 0 ? [] : [h('ul', { className, 'aria-label': title }, ...lines.map((line) => h('li', {}, line)))];
-  const say = ({ text, bad, found, weak }: Outcome) => {
-    result.replaceChildren(h('p', {}, text), ...list('found', 'Found in the example', found), ...list('weak', 'Weak in the example', weak));
+  let watched: Ordinary | undefined; // the style that was just made, on its wearer
+  const ordinary = h('p', { className: 'weak', 'data-ordinary': '' }, 'This example is ordinary motion: nothing of it will be seen. Let the performer exaggerate.');
+  app.client.on('stats', ({ performers }) => {
+    const now = watched?.heard(performers);
+    if (now !== undefined) ordinary.hidden = !now;
+  });
+  const say = ({ text, bad, found, weak }: Outcome, made?: { performer: string; name: string }) => {
+    watched = made && new Ordinary(made.performer, made.name);
+    ordinary.hidden = true;
+    result.replaceChildren(h('p', {}, text), ordinary, ...list('found', 'Found in the example', found), ...list('weak', 'Weak in the example', weak));
     result.classList.toggle('bad', bad);
     result.hidden = text === '';
   };
@@ -217,7 +226,7 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
         return await back();
       }
       examples.made(name, looks, back);
-      say(outcomeOf(reply, performer, performer, add));
+      say(outcomeOf(reply, performer, performer, add), { performer, name });
     } catch (error) {
       if (!running.cancelled) fail(error);
     } finally {
@@ -246,7 +255,11 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
     paint();
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      say(await (kind === 'file' ? examples.like(name, bytes, file.name, add) : examples.add(name, bytes)));
+      if (kind === 'style') say(await examples.add(name, bytes));
+      else {
+        const performer = app.selected;
+        say(await examples.like(name, bytes, file.name, add), { performer, name });
+      }
     } catch (error) {
       fail(error);
     }
