@@ -442,6 +442,9 @@ test('nothing is cut off or over another, however small the window', async () =>
           end = right;
         }
       }
+      for (const output of document.querySelectorAll('.plot output')) {
+        if (innerWidth >= 1280 && output.scrollWidth > output.clientWidth) wrong.push(`${output.textContent}: cut off`);
+      }
       if (document.documentElement.scrollWidth > innerWidth) wrong.push(`the page is ${document.documentElement.scrollWidth} wide`);
       return wrong;
     });
