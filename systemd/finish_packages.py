@@ -5,7 +5,7 @@
 
 TREES has a folder for each package, whose name is that of the folder with usr/share/doc/NAME/copyright. Each gets its changelog (of
 CHANGELOG.md), the stanzas of debian/copyright that are about its files, and, where it has programs, the copyright
-files of the libraries that are compiled in. Manual pages and changelogs are compressed. A file that no stanza is about ends
+files of the libraries that are compiled in. Links of its documents lead to what it has. Manual pages and changelogs are compressed. A file that no stanza is about ends
 it with an error, and so does a part of the page without a notice."""
 import datetime
 import glob
@@ -146,6 +146,28 @@ def locked_packages(lock):
     return found
 
 
+# Documents -----------------------------------------------------------------------------------------------------------
+
+def documents_of(packages):
+    """{file of the tree: its name in share/doc} of packages.cmake."""
+    return {file: name for name, file in re.findall(r'\b([\w-]+\.md)=([\w/.-]+\.md)\b', packages)}
+
+
+def as_shipped(text, file, documents, here):
+    """A document of the tree as a package has it: links to documents that lie `here`, beside it, have their names there;
+    of other links to files the path in the sources is left, of pictures the description."""
+    def link(found):
+        picture, words, target = found.groups()
+        path, _, anchor = target.partition('#')
+        if not path or '://' in path:
+            return found[0]
+        path = os.path.normpath(os.path.join(os.path.dirname(file), path))
+        if documents.get(path) in here:
+            return f'[{words}]({documents[path]}{"#" if anchor else ""}{anchor})'
+        return f'(Picture: {words})' if picture else f'{words} (`{path}` of the sources)'
+    return re.sub(r'(!?)\[((?:\\.|[^\]\\])*)\]\(([^)\s]+)\)', link, text)
+
+
 # Packages ------------------------------------------------------------------------------------------------------------
 
 def debian_changelog(changelog, package, maintainer):
@@ -183,6 +205,12 @@ def finish(tree, build, maintainer, notices_of_programs=None):
     news = os.path.join(HERE, 'debian', name + '.NEWS')
     if os.path.exists(news):
         write(os.path.join(documents, 'NEWS.Debian.gz'), read(news).replace('@MAINTAINER@', maintainer), packed=True)
+    shipped = documents_of(read(HERE, 'packages.cmake'))
+    here = set(os.listdir(documents))
+    for file, as_name in shipped.items():
+        at = os.path.join(documents, as_name)
+        if os.path.exists(at) and read(at) == read(HERE, '..', file):
+            write(at, as_shipped(read(at), file, shipped, here))
     for path in files_of(tree):
         if re.search(r'/man/man\d/[^/]+\.\d$', path):
             subprocess.run(['gzip', '-9nf', os.path.join(tree, path)], check=True)

@@ -63,7 +63,25 @@ class ShippedTest(unittest.TestCase):
         self.assertNotIn('CC-BY-NC', self.copyright('daemon'))
         self.assertNotIn('License: CC-BY-4.0', self.copyright('weights_nc'))
         for component in ('daemon', 'weights_nc'):
-            self.assertTrue([path for path in self.paths(component) if re.search(r'/doc/[\w-]+/README.md$', path)], component)
+            self.assertTrue([path for path in self.paths(component) if path.endswith('/MODEL-CARD.md')], component)
+
+    def test_packages_have_the_documents_and_their_links_lead_there(self):
+        expected = {'daemon': {'OPERATING', 'TROUBLESHOOTING', 'GLOSSARY', 'STANDBY', 'SECURITY', 'WIRE', 'MODEL-CARD'},
+                    'weights_nc': {'MODEL-CARD'}, 'tools': set(), 'web': {'README', 'WEBSOCKET'}, 'cpp': set(),
+                    'python': {'WIRE'}}
+        for component, names in expected.items():
+            pages = [path for path in self.paths(component) if '/share/doc/' in path and path.endswith('.md')]
+            self.assertEqual({f'{name}.md' for name in names}, {os.path.basename(path) for path in pages})
+            for page in pages:
+                text = finish_packages.read(self.folder, component, page)
+                self.assertGreater(len(text), 1000, page)
+                for target, anchor in re.findall(r'\]\((?!\w+://)([^)#\s]*)(#[^)\s]*)?\)', text):
+                    self.assertTrue(os.path.exists(os.path.join(self.folder, component, os.path.dirname(page), target)),
+                                    f'{page}: {target}{anchor}')
+        self.assertIn('usr/share/styled/proto/styled/v1/WIRE.md', self.paths('cpp'))
+        operating = finish_packages.read(self.folder, 'daemon', 'usr/share/doc/styled/OPERATING.md')
+        self.assertIn('](MODEL-CARD.md#', operating)
+        self.assertIn('(`model/library/README.md` of the sources)', operating)
 
     def test_what_is_compiled_in_is_named(self):
         for library in ('libeigen3-dev', 'nlohmann-json3-dev', 'libcli11-dev', 'cppzmq-dev'):
