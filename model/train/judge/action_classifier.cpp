@@ -5,9 +5,9 @@
 #include <array>
 #include <cstdio>
 
+#include "model/net/sha256.h"
 #include "model/net/stgcn/graph.h"
 #include "model/train/judge/classifier.h"
-#include "model/train/judge/sha256.h"
 
 namespace styled::judge {
 namespace {
@@ -197,7 +197,7 @@ std::string ActionClassifiers::hash() const {
   for (const auto& classifier : classifiers_) {
     AppendTensors(*classifier, std::to_string(classifier->settings.seed) + ".", tensors);
   }
-  return Sha256(net::SerializeSafetensors(tensors, {}));
+  return net::Sha256(net::SerializeSafetensors(tensors, {}));
 }
 
 }  // namespace styled::judge

@@ -6,8 +6,8 @@
 
 #include "model/base/hash.h"
 #include "model/body/humanoid.h"
+#include "model/net/sha256.h"
 #include "model/net/weights_file.h"
-#include "model/train/judge/sha256.h"
 
 namespace styled::judge {
 namespace {
@@ -104,7 +104,7 @@ Result<Panel> TrainPanel(const std::vector<train::TrainingClip>& clips,
                  {"window", settings.window},
                  {"clips", OfClips(clips)}});
   Panel panel{std::move(judges.value()), std::move(parts.value()), std::move(header), {}};
-  panel.hash = Sha256(BytesOf(panel));
+  panel.hash = net::Sha256(BytesOf(panel));
   return panel;
 }
 
@@ -141,7 +141,7 @@ Result<Panel> ReadPanel(const std::filesystem::path& file,
   auto parts = PartJudges::Read(tensors, styles, settings.value());
   tensors.Finish();
   if (!faults.none()) return faults.status();
-  return Panel{std::move(judges), std::move(parts), std::move(header), Sha256(bytes.value())};
+  return Panel{std::move(judges), std::move(parts), std::move(header), net::Sha256(bytes.value())};
 }
 
 Status WritePanel(const Panel& panel, const std::filesystem::path& file) {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "model/net/sha256.h"
 #include "model/train/judge/examples.h"
 #include "model/train/judge/sha256.h"
 
@@ -153,7 +154,7 @@ nlohmann::json WeightsOf(const std::string& weights) {
   const auto files = JoinedFiles(weights);
   if (!files.ok()) return {{"file", weights}, {"sha256", nullptr}};
   for (const std::filesystem::path& file : files.value()) {
-    const auto hash = Sha256OfFile(file);
+    const auto hash = net::Sha256OfFile(file);
     names.append(names.empty() ? "" : "+").append(file.filename().string());
     hashes.append(hashes.empty() ? "" : "+").append(hash.ok() ? hash.value() : "unreadable");
   }

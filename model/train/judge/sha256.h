@@ -1,21 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
-#include <span>
 #include <string>
-
-#include "model/base/status.h"
 
 namespace styled::judge {
 
-// SHA-256 (FIPS 180-4), 64 hexadecimal digits: names weights and judges in tables, as `sha256sum`
-// does. Pinned by tests/unit/judge/sha256_test.cpp.
-std::string Sha256(std::span<const std::byte> bytes);
-// Of a regular file. The error names it.
-Result<std::string> Sha256OfFile(const std::filesystem::path& file);
-
-// The digits that tables show.
+// The digits of a SHA-256 (model/net/sha256.h) that tables show.
 inline constexpr std::size_t kShownDigits = 16;
 inline std::string Shown(const std::string& hash) { return hash.substr(0, kShownDigits); }
 

@@ -6,6 +6,7 @@
 
 #include "model/base/write_file.h"
 #include "model/net/safetensors.h"
+#include "model/net/sha256.h"
 #include "model/train/judge/clip_restyler.h"
 #include "model/train/judge/data.h"
 #include "model/train/judge/sha256.h"
@@ -51,7 +52,7 @@ Result<Validator> Validator::Make(const std::filesystem::path& manifest,
 
 Status Validator::Claim(const std::filesystem::path& run, bool resumed) const {
   const std::vector<net::NamedTensor> tensors = impl_->judges.Tensors();
-  const std::string hash = Sha256(net::SerializeSafetensors(tensors, {}));
+  const std::string hash = net::Sha256(net::SerializeSafetensors(tensors, {}));
   const std::filesystem::path file = run / "judges.sha256";
   std::string before;
   std::ifstream(file) >> before;

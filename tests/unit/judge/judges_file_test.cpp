@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "model/net/safetensors.h"
-#include "model/train/judge/sha256.h"
+#include "model/net/sha256.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/train/walker.h"
 
@@ -42,7 +42,7 @@ TEST_F(JudgesFileTest, JudgesAsTheyDidWhenTheyWereTrained) {
   const auto trained = Train("a", settings);
   ASSERT_TRUE(trained.ok()) << trained.status().message();
   ASSERT_TRUE(WritePanel(trained.value(), file).ok());
-  EXPECT_EQ(Sha256OfFile(file).value(), trained.value().hash);
+  EXPECT_EQ(net::Sha256OfFile(file).value(), trained.value().hash);
   const auto read = ReadPanel(file, clips, manifest);
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(read.value().hash, trained.value().hash);

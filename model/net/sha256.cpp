@@ -1,4 +1,4 @@
-#include "model/train/judge/sha256.h"
+#include "model/net/sha256.h"
 
 #include <sodium.h>
 
@@ -6,7 +6,7 @@
 
 #include "model/net/safetensors.h"
 
-namespace styled::judge {
+namespace styled::net {
 
 std::string Sha256(std::span<const std::byte> bytes) {
   std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
@@ -18,9 +18,9 @@ std::string Sha256(std::span<const std::byte> bytes) {
 }
 
 Result<std::string> Sha256OfFile(const std::filesystem::path& file) {
-  const auto bytes = net::ReadFile(file);
+  const auto bytes = ReadFile(file);
   if (!bytes.ok()) return bytes.status();
   return Sha256(bytes.value());
 }
 
-}  // namespace styled::judge
+}  // namespace styled::net

@@ -1,4 +1,4 @@
-#include "model/train/judge/sha256.h"
+#include "model/net/sha256.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace styled::judge {
+namespace styled::net {
 namespace {
 
 std::string Of(const std::string& text) { return Sha256(std::as_bytes(std::span(text))); }
@@ -30,4 +30,4 @@ TEST(Sha256, OfAFileNamesOneThatCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace styled::judge
+}  // namespace styled::net
