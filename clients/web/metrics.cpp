@@ -15,9 +15,9 @@ using std::string;
 using std::string_view;
 
 // The daemon's counters that can decrease.
-constexpr std::array<string_view, 5> kGaugeNames{"pipeline.performers", "pipeline.longest_cycle_us",
-                                                 "publish.subscriptions", "publish.stalled_now",
-                                                 "security.clients"};
+constexpr std::array<string_view, 6> kGaugeNames{
+    "pipeline.performers", "pipeline.longest_cycle_us", "publish.subscriptions",
+    "publish.stalled_now", "security.clients",          "record.on"};
 
 string Number(double value) {
   if (std::isnan(value)) return "NaN";

@@ -111,8 +111,8 @@ check "the weights are there" "$(cd "$root/usr/share/styled/weights" && echo *)"
 check "the weights' licences are told" "$(cd "$root/usr/share/doc" && grep -h '^License: CC' styled/copyright styled-weights-nc/copyright | sort | uniq -c | tr -s ' ' | paste -sd,)" \
   " 2 License: CC-BY-4.0, 3 License: CC-BY-NC-4.0"
 check "the configuration is good" "$(inside styled --check-config /etc/styled/styled.toml)" "/etc/styled/styled.toml: ok"
-check "the documents are there" "$(cd "$root/usr/share/doc" && ls styled/*.md styled-web/*.md | paste -sd' ')" \
-  "styled-web/README.md styled-web/WEBSOCKET.md styled/GLOSSARY.md styled/MODEL-CARD.md styled/OPERATING.md styled/SECURITY.md styled/STANDBY.md styled/TROUBLESHOOTING.md styled/WIRE.md"
+check "the documents are there" "$(cd "$root/usr/share/doc" && ls styled/*.md styled-web/*.md styled-web/prometheus/* | paste -sd' ')" \
+  "styled-web/README.md styled-web/WEBSOCKET.md styled-web/prometheus/styled.dashboard.json styled-web/prometheus/styled.rules.yml styled/GLOSSARY.md styled/MODEL-CARD.md styled/OPERATING.md styled/SECURITY.md styled/STANDBY.md styled/TROUBLESHOOTING.md styled/WIRE.md"
 check "every program has a page" "$(cd "$root/usr/bin" && for p in style*; do [ -f "$root/usr/share/man/man1/$p.1.gz" ] || echo "$p"; done)" ""
 
 check "a frame's way, and a style" "$(runs elderly)" elderly
