@@ -19,6 +19,8 @@
 #include "daemon/styles/make_config.h"
 #include "daemon/supervisor.h"
 #include "model/base/text.h"
+#include "model/base/version.h"
+#include "model/net/default_weights.h"
 
 namespace {
 
@@ -52,7 +54,9 @@ int Parse(int argc, char** argv, Arguments& arguments) {
       ->needs(replay);
   replay->needs(replay_to);
   replay_to->needs(replay);
-  app.set_version_flag("--version", STYLED_VERSION);
+  app.set_version_flag("--version", [] {
+    return styled::VersionText("styled") + "\n" + styled::net::DescribeDefaultWeights();
+  });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/base/random_id.h"
+#include "model/base/version.h"
 #include "model/rig/dialects.h"
 #include "model/synthetic/performer.h"
 #include "model/tools/number.h"
@@ -62,6 +63,7 @@ std::atomic<bool> stop_requested{false};
 extern "C" void RequestStop(int) { stop_requested = true; }
 
 void AddOptions(CLI::App& app, Arguments& a) {
+  app.set_version_flag("--version", styled::VersionText("stylesim"));
   app.add_option("--as", a.as, "the rig to simulate: " + rigs::Words())->capture_default_str();
   app.add_option("--quirk", a.quirks, "a habit of that rig; an unknown one lists the known ones");
   app.add_option("--to", a.to,

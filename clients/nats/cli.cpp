@@ -10,6 +10,7 @@
 #include "clients/nats/bridge.h"
 #include "clients/nats/relay.h"
 #include "clients/nats/report.h"
+#include "model/base/version.h"
 
 namespace styled::stylenats {
 namespace {
@@ -28,7 +29,7 @@ struct Arguments {
 };
 
 void Declare(CLI::App& app, Arguments& a) {
-  app.set_version_flag("--version", "stylenats " STYLED_VERSION);
+  app.set_version_flag("--version", VersionText("stylenats"));
   app.add_option("--site", a.options.site,
                  "name of this daemon's site, the first token after styled. in all subjects; one "
                  "stylenats for each")

@@ -10,6 +10,7 @@
 #include "clients/rec/commands.h"
 #include "clients/rec/time_text.h"
 #include "model/base/terminal_text.h"
+#include "model/base/version.h"
 
 namespace styled::rec {
 namespace {
@@ -292,7 +293,7 @@ void Program::DeclareFetch() {
 
 void Program::Declare() {
   app_.require_subcommand(0, 1);  // Run reports a missing command
-  app_.set_version_flag("--version", "stylerec " STYLED_VERSION);
+  app_.set_version_flag("--version", VersionText("stylerec"));
   app_.footer(
       "Exit codes: 0 done, 1 failed, 2 usage.\n"
       "Examples:\n"

@@ -8,13 +8,14 @@
 #include "clients/stylectl/cli.h"
 #include "clients/stylectl/key_commands.h"
 #include "clients/stylectl/suggest.h"
+#include "model/base/version.h"
 #include "model/tools/number.h"
 
 namespace styled::stylectl {
 Session::Session(std::ostream& out_stream, std::ostream& err_stream, std::ostream& raw_stream)
     : out(out_stream), err(err_stream), raw(raw_stream) {
   app.require_subcommand(0, 1);  // without one, Run reports it after unexpected arguments
-  app.set_version_flag("--version", "stylectl " STYLED_VERSION);
+  app.set_version_flag("--version", VersionText("stylectl"));
   app.add_option("--endpoint", options.endpoint,
                  "the daemon's control socket; for a pair with a standby both, with a comma")
       ->envname("STYLED_CONTROL")

@@ -11,6 +11,7 @@
 #include "clients/cpp/key_options.h"
 #include "clients/stylemon/monitor.h"
 #include "clients/stylemon/terminal.h"
+#include "model/base/version.h"
 
 namespace {
 
@@ -103,6 +104,7 @@ void RunPlain(Monitor& monitor, const Arguments& arguments, bool utf8, Clock::ti
 }
 
 void Declare(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", styled::VersionText("stylemon"));
   app.add_option("--publisher,--endpoint", arguments.monitor.publisher,
                  "the publisher of the frames; for a pair with a standby both, with a comma")
       ->envname("STYLED_PUBLISHER")

@@ -10,6 +10,7 @@
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/reach.h"
 #include "clients/vmc/forwarder.h"
+#include "model/base/version.h"
 
 namespace styled::stylevmc {
 namespace {
@@ -27,7 +28,7 @@ struct Arguments {
 };
 
 void Declare(CLI::App& app, Arguments& a) {
-  app.set_version_flag("--version", "stylevmc " STYLED_VERSION);
+  app.set_version_flag("--version", VersionText("stylevmc"));
   app.add_option(
          "--to", a.to,
          "address of an application that listens for VMC, [PERFORMER=]HOST:PORT; may be repeated, "

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/web/gateway.h"
+#include "model/base/version.h"
 
 namespace {
 
@@ -57,7 +58,7 @@ void Declare(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--ready-file", arguments.ready_file,
                  "where to write the address, as JSON, once it listens");
-  app.set_version_flag("--version", "styleweb " STYLED_VERSION);
+  app.set_version_flag("--version", styled::VersionText("styleweb"));
   app.footer("Exit codes: 0 stopped by a signal, 1 could not run, 2 usage.");
 }
 

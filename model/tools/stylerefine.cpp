@@ -14,6 +14,7 @@
 
 #include "model/base/crc32c.h"
 #include "model/clip/clip.h"
+#include "model/net/default_weights.h"
 #include "model/net/shipped_weights.h"
 #include "model/net/weights_file.h"
 #include "model/rig/dialects.h"
@@ -354,7 +355,7 @@ int Main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app("Fits a style to its takes, and writes a better style file.");
   AddOptions(app, arguments);
-  if (const auto ended = Parse(app, argc, argv)) return *ended;
+  if (const auto ended = Parse(app, argc, argv, net::DescribeDefaultWeights)) return *ended;
   setpriority(PRIO_PROCESS, 0, kNice);
   torch::set_num_threads(1);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = true; });

@@ -113,6 +113,7 @@ check "the weights' licences are told" "$(cd "$root/usr/share/doc" && grep -h '^
 check "the configuration is good" "$(inside styled --check-config /etc/styled/styled.toml)" "/etc/styled/styled.toml: ok"
 check "the documents are there" "$(cd "$root/usr/share/doc" && ls styled/*.md styled-web/*.md styled-web/prometheus/* | paste -sd' ')" \
   "styled-web/README.md styled-web/WEBSOCKET.md styled-web/prometheus/styled.dashboard.json styled-web/prometheus/styled.rules.yml styled/GLOSSARY.md styled/MODEL-CARD.md styled/OPERATING.md styled/SECURITY.md styled/STANDBY.md styled/TROUBLESHOOTING.md styled/WIRE.md"
+check "every program tells its version" "$(cd "$root/usr/bin" && for p in style*; do chroot "$root" "/usr/bin/$p" --version | grep -q "^$p [0-9.]*" || echo "$p"; done)" ""
 check "every program has a page" "$(cd "$root/usr/bin" && for p in style*; do [ -f "$root/usr/share/man/man1/$p.1.gz" ] || echo "$p"; done)" ""
 
 check "a frame's way, and a style" "$(runs elderly)" elderly

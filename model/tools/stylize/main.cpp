@@ -15,6 +15,7 @@
 #include "model/clip/avatar.h"
 #include "model/clip/avatar_write.h"
 #include "model/clip/write.h"
+#include "model/net/default_weights.h"
 #include "model/net/load.h"
 #include "model/net/shipped_weights.h"
 #include "model/tools/command_line.h"
@@ -497,7 +498,8 @@ int main(int argc, char** argv) {
       "--cadence, same frame count.",
       "stylize");
   stylize::AddOptions(app, arguments);
-  if (const auto ended = styled::Parse(app, argc, argv)) return *ended;
+  if (const auto ended = styled::Parse(app, argc, argv, styled::net::DescribeDefaultWeights))
+    return *ended;
   const Status together = stylize::CheckTogether(app, arguments);
   if (!together.ok()) return Fail(together, styled::kBadArguments);
   if (!arguments.explain.empty()) {
