@@ -33,6 +33,15 @@ namespace styled {
 namespace {
 
 constexpr int kTick_ms = 200;
+// A sender's skeleton comes once a second, and its rest pose within 1.5 s.
+constexpr std::uint64_t kStart_s = 3;
+
+// Counters that grow whenever a daemon starts while a rig sends, or a rig begins: a warning only if
+// it lasts.
+constexpr bool OfStarts(runtime::Counter counter) {
+  return counter == runtime::Counter::kPipelineBeforeBody ||
+         counter == runtime::Counter::kSourceBeforeRestPose;
+}
 
 // Whether the two daemons of [standby] show each other their keys.
 bool ExchangesKeys(const config::Config& config) {
@@ -243,7 +252,10 @@ void Supervisor::CloseRecording() {
 // A broken state file is logged and does not keep the daemon from starting.
 void Supervisor::RestoreProfiles() {
   const std::string file = Origin::StateFile(config_);
-  if (file.empty()) return;
+  if (file.empty()) {
+    spdlog::info("no state.dir: performers' settings will not survive a restart");
+    return;
+  }
   std::error_code error;
   std::filesystem::create_directories(config_.state.dir, error);
   if (!std::filesystem::is_directory(config_.state.dir, error)) {
@@ -427,8 +439,13 @@ void Supervisor::LogTrouble() {
                                       {"STYLED_MORE", std::to_string(value - logged_[i])},
                                       {"STYLED_IN_ALL", std::to_string(value)},
                                       {"STYLED_SOURCE", from}};
-      spdlog::warn("{}: {} more, {} in all{}", runtime::Name(counter), value - logged_[i], value,
-                   from.empty() ? "" : "; source " + from);
+      ++growing_s_[i];
+      spdlog::log(OfStarts(counter) && growing_s_[i] <= kStart_s ? spdlog::level::info
+                                                                 : spdlog::level::warn,
+                  "{}: {} more, {} in all{}", runtime::Name(counter), value - logged_[i], value,
+                  from.empty() ? "" : "; source " + from);
+    } else {
+      growing_s_[i] = 0;
     }
     logged_[i] = value;
   }

@@ -92,6 +92,8 @@ class Supervisor {
   std::unique_ptr<runtime::SignOfLife> sign_of_life_;  // null: the service manager has no watchdog
   std::thread pipeline_thread_, control_thread_;
   std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> logged_{};
+  // Seconds for which a counter has grown without a pause.
+  std::array<std::uint64_t, static_cast<std::size_t>(runtime::Counter::kCount)> growing_s_{};
   std::uint64_t frames_said_ = 0;
 };
 

@@ -56,8 +56,9 @@ int Replication::DoWork() {
   OnChange(standby_.OnTime());
   styles_.PassOn();
   work += sender_.DoWork();
-  if (std::string line = standby_.PopLine(); !line.empty()) {
-    performance_.events.Log(Event::Level::kWarning, "standby: " + line);
+  if (const Standby::Line line = standby_.PopLine(); !line.text.empty()) {
+    performance_.events.Log(line.warning ? Event::Level::kWarning : Event::Level::kInfo,
+                            "standby: " + line.text);
   }
   if (std::string complaint = standby_.PopComplaint(); !complaint.empty()) {
     performance_.events.LogOf(pipeline::LogLimit::Kind::kStandby, {}, "standby",

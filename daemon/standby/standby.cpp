@@ -156,7 +156,7 @@ Standby::Change Standby::Note(Change change) {
     case Change::kNone:
       break;
     case Change::kFollow:
-      line_ = "standby of " + config_.peer + ", which leads";
+      line_ = {"standby of " + config_.peer + ", which leads"};
       sync_ = Sync::kNone;
       has_part_ = asking_ = gap_ = false;
       apart_of_last_.reset();
@@ -164,12 +164,13 @@ Standby::Change Standby::Note(Change change) {
       break;
     case Change::kTakeOver:
       ++takeovers_;
-      line_ = "leads from now on, in place of " + config_.peer;
+      line_ = {"leads from now on, in place of " + config_.peer, true};
       sync_ = Sync::kNone;
       break;
     case Change::kLead: {
       const std::string why = WhyNot();
-      line_ = sync_ == Sync::kNone ? "leads" : "leads, although it was not ready: " + why;
+      line_ = sync_ == Sync::kNone ? Line{"leads"}
+                                   : Line{"leads, although it was not ready: " + why, true};
       sync_ = Sync::kNone;
       break;
     }

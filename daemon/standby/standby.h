@@ -129,8 +129,13 @@ class Standby {
   std::set<std::string> configured;
 
   void Describe(v1::StandbyState& state) const;
-  // The next line for the log, once; "": none.
-  std::string PopLine() { return std::exchange(line_, {}); }
+  // A change of roles, for the log. A start is none that needs anyone's attention; to lead without
+  // the peer, or without its state, is.
+  struct Line {
+    std::string text;  // "": none
+    bool warning = false;
+  };
+  Line PopLine() { return std::exchange(line_, {}); }
   // The next warning, once; the caller limits how often it is logged.
   std::string PopComplaint() { return std::exchange(complaint_, {}); }
   const std::string& peer_address() const { return config_.peer; }
@@ -194,7 +199,8 @@ class Standby {
   std::int64_t asks_window_ns_ = 0;  // begin of the count asks_
   int asks_ = 0;
   std::set<std::string> awaited_;
-  std::string why_not_, line_, complaint_, refused_why_;
+  Line line_;
+  std::string why_not_, complaint_, refused_why_;
   std::bitset<kWindow> apart_of_last_;
   std::size_t compared_at_ = 0;
   std::uint64_t compared_ = 0, different_ = 0, apart_ = 0, fetched_ = 0, takeovers_ = 0;

@@ -1,6 +1,6 @@
 # cmake -D SOURCE=tree -D OUT=header [-D COMMIT=text] -P write_commit.cmake: writes the tree's commit, for
 # version.cpp. A header that would stay the same is not touched, so that nothing is built again. COMMIT: of a tree
-# without git, by who knows it.
+# without git, given at configuration.
 set(commit "${COMMIT}")
 # Not the commit of another repository that the tree was unpacked into.
 if(NOT commit AND EXISTS ${SOURCE}/.git)

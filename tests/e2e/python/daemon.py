@@ -40,12 +40,12 @@ class Daemon:
         self._children = []
         self.start()
 
-    def start(self):
+    def start(self, *options):
         ready = os.path.join(self.folder, 'ready.json')
         if os.path.exists(ready):
             os.remove(ready)
         with open(os.path.join(self.folder, 'stderr.txt'), 'a') as log:
-            self._process = subprocess.Popen(self._command + ['--ready-file', ready], stderr=log)
+            self._process = subprocess.Popen(self._command + ['--ready-file', ready, *options], stderr=log)
         wait_for(lambda: os.path.exists(ready) or self._process.poll() is not None, 'the start')
         if self._process.poll() is not None:
             with open(os.path.join(self.folder, 'stderr.txt')) as log:
