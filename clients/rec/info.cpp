@@ -61,6 +61,20 @@ std::string Text(const recording::Command& command) {
   if (request.has_preset()) add("preset " + request.preset().name());
   if (request.has_panic()) add("panic");
   if (request.has_reset()) add("reset");
+  if (request.has_cue()) add("cue " + request.cue().name());
+  if (request.has_like()) add("like " + request.like().name());
+  if (request.has_calibrate()) {
+    const v1::Calibrate& calibrate = request.calibrate();
+    const char* const pose = calibrate.pose() == v1::Calibrate::POSE_N ? "n" : "t";
+    add(std::string("calibrate ") + (calibrate.clear() ? "clear" : pose) +
+        (calibrate.neutral() ? " neutral" : ""));
+  }
+  if (request.has_import_style()) add("import style " + request.import_style().name());
+  if (request.has_rename_style()) {
+    add("rename style " + request.rename_style().name() + " to " + request.rename_style().to());
+  }
+  if (request.has_remove_style()) add("remove style " + request.remove_style().name());
+  if (request.has_restore_checkpoint()) add("restore checkpoint");
   for (const auto& applied : command.applied()) {
     add("[" + applied.performer() + " from " + std::to_string(applied.first_sequence()) + "]");
   }

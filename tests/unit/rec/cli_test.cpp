@@ -155,6 +155,34 @@ TEST_F(CliTest, FilesAndAddressesThatAreWrongEndWithOneAndTheirName) {
   expect({"play", note, "--to", "udp://127.0.0.1:9"}, "found neither arrivals nor");
 }
 
+TEST_F(CliTest, InfoSaysWhichCueAndWhatElseWasAsked) {
+  const auto said = [this](auto&& ask) {
+    recording::Record record;
+    record.set_time_ns(kSecond_ns);
+    v1::Request& request = *record.mutable_command()->mutable_request();
+    request.set_performer("rig.a");
+    ask(request);
+    std::filesystem::remove(folder_ / "asked");
+    EXPECT_EQ(Run({"info", Write("asked", {record})}), kExitOk) << err_.str();
+    const std::string text = out_.str(), head = "command at 0.000 s: ";
+    const std::size_t at = text.find(head);
+    if (at == std::string::npos) return text;
+    return text.substr(at + head.size(), text.find('\n', at) - at - head.size());
+  };
+  using R = v1::Request;
+  EXPECT_EQ(said([](R& r) { r.mutable_cue()->set_name("storm"); }), "rig.a cue storm");
+  EXPECT_EQ(said([](R& r) { r.mutable_like()->set_name("pirate"); }), "rig.a like pirate");
+  EXPECT_EQ(said([](R& r) { r.mutable_calibrate(); }), "rig.a calibrate t");
+  EXPECT_EQ(said([](R& r) { r.mutable_calibrate()->set_clear(true); }), "rig.a calibrate clear");
+  EXPECT_EQ(said([](R& r) { r.mutable_remove_style()->set_name("old"); }),
+            "rig.a remove style old");
+  EXPECT_EQ(said([](R& r) {
+              r.mutable_rename_style()->set_name("a");
+              r.mutable_rename_style()->set_to("b");
+            }),
+            "rig.a rename style a to b");
+}
+
 TEST_F(CliTest, InfoSaysWhatIsInAFile) {
   std::vector<recording::Record> records = Motion();
   for (int i = 0; i < 3; ++i) records.push_back(Arrival(i * kSecond_ns, "12345", "suit"));
