@@ -13,8 +13,14 @@ namespace {
 // minute and a half at 1000 Hz.
 constexpr double kFramesPerFrame = 16, kFrames = 1e5;
 
-// The nominal rate: "120" for a median step of 8.3333 ms. An integer or an NTSC rate, if one is
-// near enough.
+// Rates of rigs and cameras, and how near a measured rate must be to be taken as one of them: those
+// of the page's takes (clients/web/page/src/take.ts).
+constexpr double kUsual_hz[] = {24, 25,  30,  48,  50,  60,  72,  75, 80,
+                                90, 100, 120, 144, 150, 180, 200, 240};
+constexpr double kNear = 0.02;
+
+// The nominal rate: "120" for a median step of 8.3333 ms, or of 8.39 ms. An integer or an NTSC
+// rate, if one is near enough, else a usual one.
 double RateMeant(const std::vector<double>& times_s) {
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < times_s.size(); ++i) steps_s.push_back(times_s[i] - times_s[i - 1]);
@@ -26,6 +32,9 @@ double RateMeant(const std::vector<double>& times_s) {
   // An integer rate and its NTSC neighbour differ by 1e-3, so at most one is within 4e-4.
   for (const double meant_hz : {whole_hz, ntsc_hz}) {
     if (meant_hz >= 1 && std::abs(rate_hz / meant_hz - 1) < 4e-4) return meant_hz;
+  }
+  for (const double usual_hz : kUsual_hz) {
+    if (std::abs(rate_hz / usual_hz - 1) < kNear) return usual_hz;
   }
   return rate_hz;
 }

@@ -49,9 +49,10 @@ Result<Take> ReadTake(recording::Reader& reader, const std::string& performer, W
                       const std::string& output = "");
 
 // Converts the take to a constant rate. `rate_hz` 0: the rate of its frames (the median step,
-// rounded to the nominal rate); the frames stay unchanged if they keep that rate, else they are
-// interpolated. Any other rate uses clip::Resample. Errors: fewer than two frames, a rate outside 1
-// to 1000 Hz, more than 16 times as many frames as the take has, and 100,000.
+// rounded to the nominal rate, a usual one within 2 %); the frames stay unchanged if they keep that
+// rate, else they are interpolated. Any other rate uses clip::Resample. Errors: fewer than two
+// frames, a rate outside 1 to 1000 Hz, more than 16 times as many frames as the take has, and
+// 100,000.
 Result<clip::Clip> ToClip(const Take& take, double rate_hz);
 
 // Converts the take for `format`: at the frames' own times if `rate_hz` is 0 and the format stores

@@ -276,6 +276,19 @@ TEST_F(ToClipTest, TheRateIsTheOneThatIsMeant) {
   }
 }
 
+TEST_F(ToClipTest, ARigNearAUsualRateGetsThatRateAndKeepsItsTimes) {
+  for (const auto [rate_hz, usual_hz] : {std::pair{59.6, 60.0}, {119.2, 120.0}, {98.5, 100.0}}) {
+    const auto clip = ToClip(At(Regular(400, rate_hz)), 0).value();
+    EXPECT_EQ(clip.rate_hz, usual_hz);
+    // The hips' height is the time.
+    for (std::size_t i = 0; i < clip.frames.size(); ++i) {
+      ASSERT_NEAR(clip.frames[i].translations[0].y(), static_cast<double>(i) / usual_hz, 1e-5);
+    }
+    EXPECT_NEAR(static_cast<double>(clip.frames.size()), 399 / rate_hz * usual_hz, 1.01);
+  }
+  EXPECT_NEAR(ToClip(At(Regular(50, 33.3)), 0).value().rate_hz, 33.3, 1e-6);
+}
+
 TEST_F(ToClipTest, FramesThatKeepTheRateAreTakenAsTheyAre) {
   const Take take = At(Regular(50, 120, 0.2));
   const auto clip = ToClip(take, 0);
