@@ -187,8 +187,8 @@ void Examination::Unclaimed() {
                ", where no source listens.",
            std::to_string(flow->datagrams) + " datagrams from " + flow->from.host + ": " +
                flow->tally.Kinds(format) + ".",
-           "Add to styled.toml and restart the daemon:  [[source]] name = \"rig\"  type = \"" +
-               std::string(TypeFor(format, flow->stream)) + "\"  " + place + MergeInto(format));
+           "Add to styled.toml and restart the daemon:\n[[source]]\nname = \"rig\"\ntype = \"" +
+               std::string(TypeFor(format, flow->stream)) + "\"\n" + place + MergeInto(format));
   }
 }
 
@@ -199,7 +199,7 @@ std::string Examination::MergeInto(Format format) const {
   const auto& performers = facts_.daemon.after.stats().performers();
   const auto live = std::ranges::find_if(performers, &v1::PerformerStats::live);
   if (std::ranges::count_if(performers, &v1::PerformerStats::live) < 2) return "";
-  return "  merge_into = \"" + live->performer() + "\"";
+  return "\nmerge_into = \"" + live->performer() + "\"";
 }
 
 void Examination::Losses() {
@@ -281,14 +281,15 @@ bool Examination::TwoPhones() {
 void Examination::KernelDrops() {
   const auto say = [this](const SourceFacts* source, std::uint64_t count) {
     const std::string whose = source == nullptr ? "a source" : Label(*source);
-    Report(Severity::kWarning, Step::kFrames, source, "kernel_drops",
-           "The kernel dropped " + std::to_string(count) + " datagrams for " + whose +
-               ": the receive buffer was full.",
-           source == nullptr ? "source.kernel_dropped grew while we listened."
-                             : "Its socket's drops grew while we listened.",
-           "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit: "
-           "sysctl "
-           "-w net.core.rmem_max=8388608. Give the daemon a core: realtime.priority = 20.");
+    Report(
+        Severity::kWarning, Step::kFrames, source, "kernel_drops",
+        "The kernel dropped " + std::to_string(count) + " datagrams for " + whose +
+            ": the receive buffer was full.",
+        source == nullptr ? "source.kernel_dropped grew while we listened."
+                          : "Its socket's drops grew while we listened.",
+        "Raise receive_buffer_bytes and, where the daemon is not root's, the system's limit (the "
+        "command below, as root). Give the daemon a core: realtime.priority = 20.\n"
+        "sysctl -w net.core.rmem_max=8388608");
   };
   bool reported = false;
   for (const SourceFacts& source : facts_.sources) {

@@ -25,7 +25,9 @@ struct Finding {
   std::string source;  // name of the source; "" if it concerns no single source
   std::string what;    // one sentence: what is wrong, and where
   std::string why;     // the user's remedy
-  std::string change;  // what the user should do
+  // What the user should do. Lines after the first are to be copied as they are: TOML, which begins
+  // with a table, or one command each.
+  std::string change;
 };
 
 // Derives findings from facts, in the order in which the user should fix them. Without a finding of

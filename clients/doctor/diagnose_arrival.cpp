@@ -149,9 +149,10 @@ bool Examination::Filtered(const SourceFacts& source, std::uint16_t at) {
                    "(sysctl net.ipv4.conf.all.rp_filter).";
   Report(Severity::kProblem, Step::kArrival, &source, "firewall_drops",
          "This machine's firewall drops datagrams to its port " + port + "/" + protocol + ".", why,
-         "Open the port: ufw allow " + port + "/" + protocol +
-             ", or firewall-cmd --add-port=" + port + "/" + protocol +
-             ", or nft insert rule inet filter input " + protocol + " dport " + port + " accept.");
+         "Open the port, as root, by the program that this machine's firewall is set with:\n"
+         "ufw allow " +
+             port + "/" + protocol + "\nfirewall-cmd --add-port=" + port + "/" + protocol +
+             "\nnft insert rule inet filter input " + protocol + " dport " + port + " accept");
   return true;
 }
 

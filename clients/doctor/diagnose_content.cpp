@@ -42,13 +42,15 @@ bool Examination::Content(const SourceFacts& source, const Evidence& evidence) {
            why, "Check the sender's output settings. " + InTheSender(expected));
     return false;
   }
+  std::string key = MergeInto(found);
+  if (!key.empty()) key = " with " + key.substr(1);  // within the sentence
   Report(Severity::kProblem, Step::kFormat, &source, "wrong_format",
          std::string(Row(found).name) + " arrives at " + PlaceOf(expected) + ", but " +
              Label(source) + " is of type \"" + expected.type + "\" (" + name + ").",
          why,
          "Set type = \"" + std::string(TypeFor(found, expected.stream)) + "\" for " +
-             expected.name + (Row(found).face_only ? " with" + MergeInto(found) : "") +
-             " and restart the daemon, or switch the sender to " + name + ".");
+             expected.name + key + " and restart the daemon, or switch the sender to " + name +
+             ".");
   return false;
 }
 

@@ -43,15 +43,16 @@ std::string Conclusion(const std::vector<Finding>& findings) {
          (warnings == 1 ? " warning.\n" : " warnings.\n");
 }
 
-// `text` wrapped to kTextWidth: the first line follows `head`, the others are indented to the same
-// column.
+// `text`, its first line wrapped to kTextWidth, the others as they are: the first line follows
+// `head`, the others are indented to the same column.
 std::string Paragraph(const std::string& head, const std::string& text) {
   if (text.empty()) return "";
   std::string out = head, line;
   const std::string indent(head.size(), ' ');
+  const std::size_t wrapped = std::min(text.find('\n'), text.size());
   std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
+  while (begin < wrapped) {
+    const std::size_t end = std::min(text.find(' ', begin), wrapped);
     const std::string word = text.substr(begin, end - begin);
     if (!line.empty() && head.size() + line.size() + 1 + word.size() > kTextWidth) {
       out.append(line).append("\n").append(indent);
@@ -60,7 +61,13 @@ std::string Paragraph(const std::string& head, const std::string& text) {
     line += (line.empty() ? "" : " ") + word;
     begin = end + 1;
   }
-  return out + line + "\n";
+  out += line + "\n";
+  for (std::size_t at = wrapped; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at + 1), text.size());
+    out.append(indent).append(text, at + 1, end - at - 1).append("\n");
+    at = end;
+  }
+  return out;
 }
 
 std::string DaemonText(const Facts& facts) {

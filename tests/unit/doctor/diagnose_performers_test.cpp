@@ -25,7 +25,7 @@ struct PerformersTest : ::testing::Test {
   }
   std::vector<Finding> Of(const std::string& code) {
     std::vector<Finding> found;
-    for (const Finding& finding : Diagnose(machine.facts)) {
+    for (const Finding& finding : machine.Findings()) {
       if (finding.code == code) found.push_back(finding);
     }
     return found;

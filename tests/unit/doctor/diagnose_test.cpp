@@ -202,7 +202,7 @@ TEST_F(DiagnoseTest, AFormatThatNobodyWantsIsOfferedASource) {
   facts_.sources.emplace_back().expected = AssumedSources()[0];
   facts_.heard = {MvnTo("192.0.2.1:9763")};
   EXPECT_EQ(machine_.Codes(), "problem no_daemon; problem no_source");
-  EXPECT_NE(machine_.Findings()[1].change.find("type = \"mvn\"  listen = \"0.0.0.0:9763\""),
+  EXPECT_NE(machine_.Findings()[1].change.find("type = \"mvn\"\nlisten = \"0.0.0.0:9763\""),
             std::string::npos);
 }
 

@@ -33,6 +33,10 @@ inline Flow MvnTo(const std::string& to) {
   return FlowTo(to, What(Format::kMvn, Verdict::kPose, "quaternions (02)"));
 }
 
+// Why the lines of a finding's `change` that are to be copied cannot be; "": they can, or there are
+// none.
+std::string WhyNotCopied(const std::string& change);
+
 // A machine with one network and a daemon that has the source "suit".
 class Machine {
  public:
@@ -81,7 +85,14 @@ class Machine {
     if (!style.empty()) performer.mutable_look()->add_mix()->set_style(style);
   }
 
-  std::vector<Finding> Findings() const { return Diagnose(facts); }
+  // Of all findings of all tests: what is to be copied can be.
+  std::vector<Finding> Findings() const {
+    auto findings = Diagnose(facts);
+    for (const Finding& finding : findings) {
+      EXPECT_EQ(WhyNotCopied(finding.change), "") << finding.change;
+    }
+    return findings;
+  }
   // "problem wrong_format suit", one after the other.
   std::string Codes() const {
     std::string out;
