@@ -358,6 +358,7 @@ test('a thousand styles: found by name, pictured as they come into view', async 
   await until(async () => (await page.locator('[data-card]:not([hidden])').count()) === 11, 'those that match');
   assert.match(await page.locator('.find').innerText(), /11 of 1000/);
   await page.locator('.filter').fill('');
+  await page.keyboard.press('Escape');
   await page.evaluate(async () => {
     globalThis.styled.client.list = globalThis.honest;
     await globalThis.styled.app.fetchList();

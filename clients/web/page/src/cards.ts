@@ -91,6 +91,10 @@ export class Cards {
     }, 'Figures');
     toggle.setAttribute('aria-pressed', String(this.moving));
     this.filter.addEventListener('input', () => this.sift());
+    // Keys are shortcuts again.
+    this.filter.addEventListener('keydown', ({ key }) => {
+      if (key === 'Enter' || key === 'Escape') this.filter.blur();
+    });
     this.element = h('div', { className: 'cards' },
       h('div', { className: 'find' }, this.filter, this.count), this.grid);
     app.watch(() => {
