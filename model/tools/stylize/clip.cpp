@@ -283,7 +283,8 @@ Result<Blend> MakeBlend(const Arguments& arguments, const Examples& examples,
     blend.strength = std::exchange(request.strength, 1.0F);
     float sum = 0;
     for (const net::StyleSource& source : request.sources) sum += source.weight;
-    if (sum < 1 && !request.sources.empty()) blend.strength *= sum;  // a design alone has no weights
+    const bool weighted = !request.sources.empty();  // a design alone is not
+    if (sum < 1 && weighted) blend.strength *= sum;
     for (net::StyleSource& source : request.sources) {
       source.weight = sum > 0 ? source.weight / sum : 1;
     }
