@@ -1,5 +1,5 @@
-// Fuzzes the reader of glTF clips: what it accepts is finite, on a sound skeleton, no longer than a
-// minute, and can be bound and resampled, or is refused with a reason.
+// Fuzzes the reader of glTF clips: what it accepts is finite, on a sound skeleton, no longer than
+// the limit, and can be bound and resampled, or is refused with a reason.
 #include <cstdint>
 #include <cstdlib>
 
@@ -16,7 +16,8 @@ void Require(bool condition) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  auto read = clip::ParseGltfClip({reinterpret_cast<const char*>(data), size}, "fuzz.glb");
+  auto read = clip::ParseGltfClip({reinterpret_cast<const char*>(data), size}, "fuzz.glb",
+                                  {.longest_s = clip::kLongestExample_s, .work = {}});
   if (!read.ok()) {
     Require(read.status().message().starts_with("fuzz.glb: "));
     return 0;
