@@ -94,14 +94,15 @@ Status CheckTarget(const std::vector<Source>& sources, const Source& merged) {
   }
   const std::size_t dot = into.find('.');
   const std::string name = dot == std::string::npos ? "" : into.substr(dot + 1);
-  const auto source = std::ranges::find_if(sources, [&](const Source& one) {
-    return IsName(name) && one.merge_into.empty() && one.name == into.substr(0, dot);
-  });
-  if (source == sources.end()) {
-    return Status::Error("merge_into: \"" + Shown(into) + "\"; " + expected);
+  const Source* source = nullptr;  // several may have one name
+  std::string only;
+  for (const Source& one : sources) {
+    if (!IsName(name) || !one.merge_into.empty() || one.name != into.substr(0, dot)) continue;
+    source = &one;
+    only = OnlyName(one, *rigs::FindSourceType(one.type)->rig);
+    if (only.empty() || only == name) return Status::Ok();
   }
-  const std::string only = OnlyName(*source, *rigs::FindSourceType(source->type)->rig);
-  if (only.empty() || only == name) return Status::Ok();
+  if (source == nullptr) return Status::Error("merge_into: \"" + Shown(into) + "\"; " + expected);
   return Status::Error("merge_into: \"" + into + "\"; the performer of source \"" + source->name +
                        "\" is \"" + source->name + "." + only + "\", because type \"" +
                        source->type + "\" sends no name; expected that, or performer = \"" + name +

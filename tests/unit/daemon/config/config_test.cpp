@@ -422,6 +422,7 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
                         "\"stage.stage\", because type \"vmc\" sends no name; expected that, or "
                         "performer = \"anna\" there"));
   EXPECT_EQ(Complaint(avatar + "performer = \"anna\"\n" + named), "");
+  EXPECT_EQ(Complaint(avatar + rig + named), "") << "another source of that name sends names";
   for (const auto* const into : {"anna", "stage.", "stage.a b", "phone.anna", "nobody.anna"}) {
     EXPECT_THAT(Complaint(phone(face + "merge_into = \"" + into + "\"\n")),
                 HasSubstr("expected a performer of another source, SOURCE.NAME"))
