@@ -317,9 +317,9 @@ std::string Roster::Id(int source, std::string_view name) const {
   return source_names_[static_cast<std::size_t>(source)] + "." + std::string(name);
 }
 
-std::vector<std::string> Roster::Here() const {
-  std::vector<std::string> here;
-  for (const auto& performer : performers) here.push_back(performer->profile.id);
+std::vector<std::string_view> Roster::Here() const {
+  std::vector<std::string_view> here;
+  for (const auto& performer : performers) here.emplace_back(performer->profile.id);
   return here;
 }
 

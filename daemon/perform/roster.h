@@ -85,8 +85,8 @@ class Roster {
   std::uint64_t epoch() const { return epoch_; }
   // "rig.a": the id from a source's number and a performer's name.
   std::string Id(int source, std::string_view name) const;
-  // The ids of the live performers.
-  std::vector<std::string> Here() const;
+  // The ids of the live performers, valid until one comes or goes.
+  std::vector<std::string_view> Here() const;
   bool KnowsSource(std::string_view name) const;
   const std::vector<std::string>& source_names() const { return source_names_; }
 

@@ -54,7 +54,8 @@ void Stats::DescribeSource(std::size_t index, v1::SourceInfo& info) const {
   info.set_left_ms(smoothing.left_ms);
   info.set_missed(smoothing.missed);
   info.set_merge_into(layers_.Into(index));
-  info.set_stray(layers_.Stray(index, roster_.Here(), dependencies_.clock.Now_ns()));
+  const std::int64_t now_ns = dependencies_.clock.Now_ns();
+  if (layers_.Arrives(index, now_ns)) info.set_stray(layers_.Stray(index, roster_.Here(), now_ns));
   info.set_kernel_dropped(transport.kernel_dropped());
 }
 

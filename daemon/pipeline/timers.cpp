@@ -187,7 +187,10 @@ int Timers::LogLayers(std::int64_t now_ns) {
 void Timers::LogStray(std::int64_t now_ns) {
   stray_.resize(performance_.layers.size());
   for (std::size_t i = 0; i < stray_.size(); ++i) {
-    std::string why = performance_.layers.Stray(i, performance_.roster.Here(), now_ns);
+    std::string why;
+    if (performance_.layers.Arrives(i, now_ns)) {
+      why = performance_.layers.Stray(i, performance_.roster.Here(), now_ns);
+    }
     if (why == stray_[i]) continue;
     if (!why.empty()) {
       const std::string& name = performance_.roster.source_names()[i];

@@ -91,17 +91,18 @@ std::vector<FingerLayer*> Layers::FingersOf(std::string_view performer) {
   return fingers;
 }
 
-std::string Layers::Stray(std::size_t source, std::span<const std::string> here,
+std::string Layers::Stray(std::size_t source, std::span<const std::string_view> here,
                           std::int64_t now_ns) const {
-  const Layer* const layer = source < layers_.size() ? layers_[source].get() : nullptr;
-  if (layer == nullptr || !layer->Live(now_ns)) return "";
+  if (!Arrives(source, now_ns)) return "";
+  const Layer* const layer = layers_[source].get();
   if (std::ranges::find(here, layer->into) != here.end()) return "";
+  if (layer->follows && here.size() == 1) return "";  // with their next frame
   constexpr std::size_t kShown = 3;
   std::string list = here.empty()       ? "no performer is here"
                      : here.size() == 1 ? "here is "
                                         : "here are ";
   for (std::size_t i = 0; i < std::min(here.size(), kShown); ++i) {
-    list += (i == 0 ? "" : ", ") + here[i];
+    list.append(i == 0 ? "" : ", ").append(here[i]);
   }
   if (here.size() > kShown) list += " and " + std::to_string(here.size() - kShown) + " more";
   if (!layer->follows) return "its data are for " + layer->into + ", who is not here; " + list;

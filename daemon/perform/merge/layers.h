@@ -83,9 +83,14 @@ class Layers {
   std::string Into(std::size_t source) const {
     return source < layers_.size() && layers_[source] ? layers_[source]->into : "";
   }
+  // Whether data of a source that is merged arrive.
+  bool Arrives(std::size_t source, std::int64_t now_ns) const noexcept {
+    return source < layers_.size() && layers_[source] && layers_[source]->Live(now_ns);
+  }
   // Why the data of a source reach no performer now: "its data are for stage.anna, who is not here;
   // here is stage.ben". "": they reach one, or none arrive. `here`: the performers.
-  std::string Stray(std::size_t source, std::span<const std::string> here,
+  // Allocates: call it where Arrives.
+  std::string Stray(std::size_t source, std::span<const std::string_view> here,
                     std::int64_t now_ns) const;
   // Fills `layers` of the row.
   void Describe(std::int64_t now_ns, v1::PerformerStats& row) const;

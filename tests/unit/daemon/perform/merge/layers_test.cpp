@@ -183,8 +183,9 @@ TEST(Layers, ASourceWhoseDataReachNoPerformerSaysWhy) {
   named.merge_into = "stage.anna";
   follows.merge_into = config::kOnlyPerformer;
   layers.Set({config::Source(), named, follows});
-  const std::vector<std::string> other = {"stage.stage"}, both = {"a.a", "b.b"},
-                                 many = {"a.a", "b.b", "c.c", "d.d", "e.e"}, anna = {"stage.anna"};
+  const std::vector<std::string_view> other = {"stage.stage"}, both = {"a.a", "b.b"},
+                                      many = {"a.a", "b.b", "c.c", "d.d", "e.e"},
+                                      anna = {"stage.anna"};
   EXPECT_EQ(layers.Stray(1, other, 0), "") << "nothing arrives";
   const Bytes face = Encoded({{"jawOpen", 0.5F}});
   for (const int source : {1, 2}) {
@@ -198,6 +199,7 @@ TEST(Layers, ASourceWhoseDataReachNoPerformerSaysWhy) {
   EXPECT_EQ(layers.Stray(1, {}, 0),
             "its data are for stage.anna, who is not here; no performer is here");
   EXPECT_EQ(layers.Stray(2, {}, 0), "no performer is here");
+  EXPECT_EQ(layers.Stray(2, other, 0), "") << "the next frame shows it";
   EXPECT_EQ(layers.Stray(2, both, 0),
             "here are a.a, b.b: merge_into must name the one who gets its data");
   EXPECT_EQ(layers.Stray(1, many, 0),
