@@ -131,8 +131,8 @@ void Examination::Source(const SourceFacts& source) {
   Report(Severity::kProblem, Step::kFrames, &source, "not_merged",
          Label(source) + " arrives, and no performer gets it.",
          "The daemon says: " + source.stray + ".",
-         "Set merge_into of the source to that performer, or let the performer come, and restart "
-         "the daemon.");
+         "Set merge_into of the source to a performer who is here, and restart the daemon; or let "
+         "the named one come.");
 }
 
 // Reports a source from which the daemon receives nothing, whatever the previous steps found. Not

@@ -129,8 +129,8 @@ class Standby {
   std::set<std::string> configured;
 
   void Describe(v1::StandbyState& state) const;
-  // A change of roles, for the log. A start is none that needs anyone's attention; to lead without
-  // the peer, or without its state, is.
+  // A change of roles, for the log. Leading without the peer, or without its state, is a warning; a
+  // start is information.
   struct Line {
     std::string text;  // "": none
     bool warning = false;
