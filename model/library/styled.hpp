@@ -48,17 +48,19 @@ struct Release {
 template <typename T, auto kRelease>
 using Owned = std::unique_ptr<T, Release<T, kRelease>>;
 
+using ErrorText = std::array<char, 4096>;  // a sentence, also where it lists files
+
 // `call` gets a text to write an error to.
 template <typename Call>
 auto* Made(const Call& call) {
-  std::array<char, 512> error{};
+  ErrorText error{};
   auto* const made = call(error.data(), error.size());
   if (made == nullptr) throw Error(error.data());
   return made;
 }
 template <typename Call>
 int Done(const Call& call) {
-  std::array<char, 512> error{};
+  ErrorText error{};
   const int done = call(error.data(), error.size());
   if (done < 0) throw Error(error.data());
   return done;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -50,14 +51,17 @@ Result<fs::path> FindWeights(const fs::path& given, const WeightsPlaces& places)
     if (name.extension() != kExtension) name += kExtension;
     for (const fs::path& folder : Folders(places.first)) candidates.push_back(folder / name);
   }
-  std::string looked;
+  std::set<fs::path> looked;
+  std::string list;
   for (const fs::path& candidate : candidates) {
     std::error_code error;
-    if (fs::is_regular_file(candidate, error)) return candidate.lexically_normal();
-    looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
+    const fs::path file = candidate.lexically_normal();
+    if (fs::is_regular_file(candidate, error)) return file;
+    if (looked.insert(file).second) list += (list.empty() ? "" : ", ") + file.string();
   }
-  return Status::Error("no weights file: looked for " + looked +
-                       "; expected a .safetensors file (" + places.how + ")");
+  // The list is last: it is long, and a reader with little room cuts the end.
+  return Status::Error(std::string("no weights file: expected a .safetensors file (") + places.how +
+                       "), looked for " + list);
 }
 
 bool IsShippedDefault(const fs::path& file) {

@@ -80,7 +80,7 @@ def _numpy():
 
 def _call(name: str, *arguments):
     """A function whose last arguments are a text for the error and its size."""
-    text = ctypes.create_string_buffer(512)
+    text = ctypes.create_string_buffer(4096)
     result = getattr(_library(), 'styled_' + name)(*arguments, text, len(text))
     if result is None or result < 0:
         raise LibraryError(text.value.decode(errors='replace'))
