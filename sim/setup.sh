@@ -22,7 +22,7 @@ styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev 
   python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
   "python3-nbclient?" "python3-ipykernel?" "python3-matplotlib?" mono-runtime libumockdev-dev umockdev "chromium?"
   libfaketime apt-utils gnupg nats-server openssl
-  linuxptp iproute2 qemu-user)
+  linuxptp iproute2 qemu-user "mold?")
 styled_packages_sites=("${styled_packages_run[@]}" nats-server)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg python3)
 styled_packages_release=("${styled_packages_package[@]}" zstd mmdebstrap umoci)
