@@ -53,6 +53,7 @@ struct LookField {
   std::variant<LookNumber, LookFlag, LookName, LookChoice, LookMix, LookParts> kind;
 };
 
+inline constexpr float kMaxIdle = 1.5F;  // of Look.idle
 inline constexpr auto kRootWords = std::to_array<std::string_view>({"follow", "stride"});
 
 inline constexpr auto kLookFields = std::to_array<LookField>({
@@ -90,6 +91,10 @@ inline constexpr auto kLookFields = std::to_array<LookField>({
     {"drift_s", "drift", "", "the variation changes slowly: seconds to the next one; 0: constant",
      LookNumber{&v1::Look::has_drift_s, &v1::Look::drift_s, &v1::Look::set_drift_s, 0,
                 net::kMaxDrift_s, 0}},
+    {"mirror", "mirror", "", "left and right are exchanged, as in a mirror",
+     LookFlag{&v1::Look::has_mirror, &v1::Look::mirror, &v1::Look::set_mirror}},
+    {"idle", "idle", "", "how much the body breathes, sways and blinks by itself: 0 to 1.5",
+     LookNumber{&v1::Look::has_idle, &v1::Look::idle, &v1::Look::set_idle, 0, kMaxIdle, 0}},
 });
 
 // Whether a look asks for variations of its styles.
