@@ -26,6 +26,7 @@ ROWS = {
     "model/synthetic": STAGES,
     "model/clip": STAGES,
     "model/feet": STAGES,
+    "model/idle": STAGES + " model/feet",
     "model/devices": STAGES + " model/feet",
     "model/offline": STAGES + " model/clip model/gait model/neutral",
     "model/net": STAGES + " model/gait model/neutral model/net",
