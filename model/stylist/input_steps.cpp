@@ -79,7 +79,7 @@ void Stylist::Impl::UpdateTravel(Output& out) noexcept {
 // Motion in another style contains nothing of the neutral of a performer.
 void Stylist::Impl::RemoveNeutral(const body::Pose& input) noexcept {
   const neutral::Reference* const reference = Reference();
-  const bool learns = reference != nullptr && mixer.input_style() == 0;
+  const bool learns = reference != nullptr && measured && mixer.input_style() == 0;
   const neutral::Reference* const followed = reference != nullptr ? reference : Gaits();
   if (followed != nullptr) neutral.Follow(input, static_cast<float>(dt_s), learns, *followed);
   if (reference == nullptr) {

@@ -164,6 +164,8 @@ void Stylist::Adopt(std::shared_ptr<const net::Stylizer> network) noexcept {
 
 void Stylist::Rest(bool rests) noexcept { impl_->rests = rests; }
 
+void Stylist::SetMeasured(bool measured) noexcept { impl_->measured = measured; }
+
 const Settings& Stylist::settings() const { return impl_->settings; }
 bool Stylist::Names(int style) const noexcept { return impl_->mixer.Names(style); }
 

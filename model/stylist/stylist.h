@@ -107,6 +107,10 @@ class Stylist {
   // settings without a style, too. Otherwise the network follows the performer in bypass, so that a
   // style sets in smoothly; after a rest it restarts. Not part of Carry.
   STYLED_REALTIME void Rest(bool rests) noexcept;
+  // Whether subsequent frames are the performer's own motion, initially true. The neutral is not
+  // learned from other ones, such as those of a body that moves by itself while its rig is silent.
+  // Not part of Carry.
+  STYLED_REALTIME void SetMeasured(bool measured) noexcept;
 
   // Continues with a network that shares streams with this one (net::Stylizer::SharesStreams): its
   // list of styles may differ, and the motion continues. Set may then name its styles.
