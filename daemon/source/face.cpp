@@ -1,5 +1,6 @@
 #include "daemon/source/face.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -93,6 +94,53 @@ void ScaleFace(std::span<std::byte> face, float by) noexcept {
       }
     }
   }
+}
+
+namespace {
+
+char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool ClosesAnEye(std::string_view name) noexcept {
+  constexpr std::string_view kBlink = "blink";
+  return std::ranges::search(name, kBlink, [](char a, char b) { return Lower(a) == b; }).begin() !=
+         name.end();
+}
+
+// An expression's message. Returns false for fields that it does not have.
+bool ReadExpression(std::span<const std::byte> bytes, Face::Expression& expression) noexcept {
+  expression = {};
+  std::size_t at = 0, key = 0, size = 0;
+  while (at < bytes.size()) {
+    if (!ReadVarint(bytes, at, key)) return false;
+    if (key == kName) {
+      if (!ReadVarint(bytes, at, size) || size > bytes.size() - at) return false;
+      expression.name = {reinterpret_cast<const char*>(bytes.data()) + at, size};
+      at += size;
+    } else if (key == kValue && bytes.size() - at >= sizeof(float)) {
+      std::memcpy(&expression.value, bytes.data() + at, sizeof(float));
+      at += sizeof(float);
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::size_t RestFace(std::span<const std::byte> face, float by, float closed,
+                     std::span<std::byte> to) noexcept {
+  WireWriter out(to);
+  FieldReader fields(face);
+  while (fields.Next() && fields.tag == kExpressionsTag) {
+    Face::Expression expression;
+    if (!ReadExpression(face.subspan(fields.content, fields.size), expression)) return 0;
+    expression.value *= by;
+    if (ClosesAnEye(expression.name)) expression.value = std::max(expression.value, closed);
+    Write(expression, out);
+  }
+  out.Bytes(PassedOn(face));
+  return out.fits() ? out.size() : 0;
 }
 
 std::size_t EncodeFace(const Face& face, std::span<std::byte> to) noexcept {

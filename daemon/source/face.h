@@ -28,6 +28,11 @@ STYLED_REALTIME std::size_t EncodeFace(const Face& face, std::span<std::byte> to
 // The part of an encoded face that holds the messages that are passed on: they follow the
 // expressions (frame.proto). Empty if the bytes are not such fields.
 STYLED_REALTIME std::span<const std::byte> PassedOn(std::span<const std::byte> face) noexcept;
+// Writes an encoded face with its values multiplied by `by`. Expressions that close an eye ("blink"
+// in their names, in any case: eyeBlinkLeft, Blink_L) are `closed` at least. Returns the number of
+// bytes; 0 if `to` is too small, or the bytes are not such fields.
+STYLED_REALTIME std::size_t RestFace(std::span<const std::byte> face, float by, float closed,
+                                     std::span<std::byte> to) noexcept;
 // Multiplies the values of an encoded face's expressions; stops at bytes that are not such fields.
 STYLED_REALTIME void ScaleFace(std::span<std::byte> face, float by) noexcept;
 
