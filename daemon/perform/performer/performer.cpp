@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/looks/refusal.h"
+#include "daemon/source/face.h"
 #include "model/base/crc32c.h"
 #include "model/base/text.h"
 
@@ -14,6 +15,9 @@ static_assert(decide::kLimbs == stylist::kLimbCount);
 static_assert(int{v1::FAILURE_RIG} == static_cast<int>(stylist::Failure::kRig));
 
 namespace {
+
+// Of the stylist's time, where the rig's returns before it.
+constexpr std::int64_t kLeastStep_ns = 1'000'000;
 
 runtime::Counter CounterOf(v1::Failure failure) noexcept {
   switch (failure) {
@@ -40,6 +44,7 @@ Performer::Performer(Profile& the_profile, int the_source, std::string the_name,
       outputs(profile.id, epoch, subscriptions, counters),
       counters_(counters) {
   face_.reserve(kMaxFace);
+  resting_face_.reserve(kMaxFace);
 }
 
 const rig::JointNames& Performer::Names(const RuntimeConfig& config) const {
@@ -126,6 +131,7 @@ void Performer::UseBinding(const RuntimeConfig& config) {
       index < config.smoothing.size() ? config.smoothing[index] : config::Smoothing(),
       static_cast<std::size_t>(skeleton.joint_count()), binding_.given().metres_per_unit());
   fingers_ = Fingers(finger_layers_, *binding_.body().binding);
+  idle_.emplace(binding_.body().binding, profile.id);
   (void)ApplyLook(config);
   styling_->Relieve(relieved_);
 }
@@ -159,6 +165,8 @@ void Performer::Adopt(const RuntimeConfig& config) {
 
 void Performer::Restart() noexcept {
   if (styling_) styling_->Restart();
+  ahead_ns_ = 0;
+  sent_idle_ = false;
   smoothing_.Reset();
   facing_.Reset();
 }
@@ -170,8 +178,11 @@ void Performer::Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
   c(has_timecode);
   c.Time(label);
   if (c.reads()) timecode = has_timecode ? std::optional(label) : std::nullopt;
-  c(smoothing_, fingers_, *styling_, outputs, facing_, backwards_, backwards_logged_);
+  c(smoothing_, fingers_, *idle_, *styling_, outputs, facing_, backwards_, backwards_logged_,
+    sent_idle_);
   c.Time(faced_ns_);
+  c.Time(ahead_ns_);
+  c.Time(frame_.elapsed_ns);
 }
 
 runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexcept {
@@ -181,15 +192,52 @@ runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexce
   if (const std::size_t left_out = props_->Accept(frame.props, frame.scene_props); left_out > 0) {
     counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
   }
-  if (smoothing_.active()) props_->AcceptUnfiltered(binding_.received());
+  // The hands are moved by the filter and by the body's own motion.
+  if (smoothing_.active() || profile.look.idle() > 0) props_->AcceptUnfiltered(binding_.received());
   smoothing_.Apply(binding_.received(), transit.elapsed_ns);
   styling_->SetInput(binding_.received());
   fingers_.Apply(transit.elapsed_ns, styling_->in());
   face_.assign(transit.face.begin(), transit.face.end());
+  std::int64_t elapsed_ns = transit.elapsed_ns + ahead_ns_;
+  if (std::exchange(sent_idle_, false) && elapsed_ns <= frame_.elapsed_ns) {
+    ahead_ns_ += frame_.elapsed_ns + kLeastStep_ns - elapsed_ns;
+    elapsed_ns = frame_.elapsed_ns + kLeastStep_ns;
+  }
   frame_ = transit;
   frame_.given = nullptr;
   frame_.face = {};
+  frame_.elapsed_ns = elapsed_ns;
+  idle_->Apply(elapsed_ns, profile.look.idle(), styling_->in());
+  styling_->stylist().SetMeasured(true);
   return decide::Decision::kNoReason;
+}
+
+// The face of another source that is here, or the performer's own, which relaxes and blinks.
+void Performer::RestFace(std::span<const std::byte> merged) noexcept {
+  if (!merged.empty()) {
+    resting_face_.assign(merged.begin(), merged.end());
+    return;
+  }
+  resting_face_.resize(kMaxFace);
+  resting_face_.resize(
+      source::RestFace(face_, idle_->FaceKept(), idle_->EyesClosed(), resting_face_));
+}
+
+bool Performer::AcceptSilent(const decide::FrameInTransit& transit) noexcept {
+  if (!idles()) return false;
+  if (!idle_->ApplySilent(transit.elapsed_ns, profile.look.idle(), styling_->in())) return false;
+  RestFace(transit.face);
+  frame_.decision = {};
+  frame_.decision.fate = v1::FATE_STYLED;
+  frame_.elapsed_ns = transit.elapsed_ns;
+  frame_.arrival_ns = transit.arrival_ns;
+  frame_.receive_ns = transit.receive_ns;
+  frame_.wall_ns = transit.wall_ns;
+  frame_.flags = v1::FLAG_STALE;
+  frame_.failure = v1::FAILURE_NONE;
+  styling_->stylist().SetMeasured(false);
+  sent_idle_ = true;
+  return true;
 }
 
 stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(frame_.elapsed_ns); }
@@ -256,7 +304,7 @@ bool Performer::Repeat(const decide::FrameInTransit& now) noexcept {
 void Performer::Serialize() noexcept {
   frame_.decision.sequence = profile.next_sequence++;
   frame_.contacts = styling_->out().contacts;
-  outputs.Serialize(frame_, *styling_, face_);
+  outputs.Serialize(frame_, *styling_, sent_idle_ ? resting_face_ : face_);
 }
 
 void Performer::Send(publish::Publisher& publisher, std::span<publish::Bundle> bundles,

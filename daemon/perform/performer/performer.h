@@ -15,6 +15,7 @@
 #include "daemon/perform/performer/carried_props.h"
 #include "daemon/perform/performer/facing.h"
 #include "daemon/perform/performer/fingers.h"
+#include "daemon/perform/performer/idle_layer.h"
 #include "daemon/perform/performer/latency.h"
 #include "daemon/perform/performer/outputs.h"
 #include "daemon/perform/performer/smoothing.h"
@@ -88,6 +89,9 @@ class Performer {
   // of its refusal: the joint count differs from the body's, or the performer waits for a
   // calibration, for which it only stores the pose.
   STYLED_REALTIME runtime::Counter Accept(const decide::FrameInTransit& frame) noexcept;
+  // As Accept while the rig is silent: its last pose with the motion of an idle body, at the
+  // session's time of `transit`. Returns false if there is none. The frame is flagged stale.
+  STYLED_REALTIME bool AcceptSilent(const decide::FrameInTransit& transit) noexcept;
   STYLED_REALTIME stylist::Stylist::Job Style() noexcept;
   STYLED_REALTIME void Attach() noexcept { props_->Attach(styling_->out()); }
   // Leaves out the props of the scene that another performer of the same source holds.
@@ -115,6 +119,10 @@ class Performer {
     return styling_ && styling_->has_output() ? &styling_->out().canonical_input : nullptr;
   }
   std::int64_t elapsed_ns() const noexcept { return frame_.elapsed_ns; }
+  // Whether the body moves by itself while its rig is silent.
+  bool idles() const noexcept {
+    return idle_ && profile.look.idle() > 0 && styling_->has_output();
+  }
 
   // As Fingers::HandsWithoutPlace, of the bound body.
   std::string HandsWithoutPlace() const { return fingers_.HandsWithoutPlace(); }
@@ -137,6 +145,7 @@ class Performer {
   Latency latency;
   log::FrameHistory history;                   // fates of the last frames
   std::int64_t next_body_ns = 0;               // when the bodies are due again
+  std::int64_t next_idle_ns = 0;               // while idles(): when the next frame is due
   int newest_in_batch = -1;                    // used by the pipeline within a batch
   std::optional<std::int64_t> timecode;        // TimecodeLabel of the last frame with a timecode
   std::shared_ptr<const std::string> refusal;  // of the last body (SourceFrame); null: none
@@ -147,6 +156,7 @@ class Performer {
   void UseBinding(const RuntimeConfig& config);
   const rig::JointNames& Names(const RuntimeConfig& config) const;
   STYLED_REALTIME void WatchFacing() noexcept;
+  STYLED_REALTIME void RestFace(std::span<const std::byte> merged) noexcept;
   STYLED_REALTIME void Serialize() noexcept;
 
   runtime::Counters& counters_;
@@ -157,7 +167,13 @@ class Performer {
   PoseSmoothing smoothing_;
   std::vector<FingerLayer*> finger_layers_;
   Fingers fingers_;
-  std::vector<std::byte> face_;  // data published beside the pose
+  std::optional<IdleLayer> idle_;  // as styling_
+  // By how much the stylist's time is ahead of the session's: after a silence the rig's clock may
+  // continue before the last frame that was sent meanwhile, and the stylist's must not go back.
+  std::int64_t ahead_ns_ = 0;
+  bool sent_idle_ = false;  // the last frame was one of AcceptSilent
+  std::vector<std::byte> face_;          // data published beside the pose
+  std::vector<std::byte> resting_face_;  // of a frame of AcceptSilent
   bool relieved_ = false;
   std::uint64_t relieved_frames_ = 0;  // sent while relieved
   bool repeats_ = false;               // the serialized frame is a repetition
