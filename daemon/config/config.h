@@ -64,11 +64,17 @@ struct Source {
   std::string merge_into = {};
   // Some of kMergedParts; empty: the face.
   std::vector<std::string> parts = {};
+  // For a source of a face alone: "standing" or "seated", its performer's body, whose head and eyes
+  // follow the face; "none": the face goes to a performer of another source; "auto": none if another
+  // source has performers, else standing.
+  std::string body = "auto";
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
   PropHands props = {};               // props without an entry: rig::Hand::kAuto
   int sender_limit_hz = 100000;       // most datagrams a second of one address; 0 = no limit
   friend bool operator==(const Source&, const Source&) = default;
 
+  // Whether the source's performers have nothing but a face, and a body of our own (face_body.h).
+  bool FaceAlone() const { return body == "standing" || body == "seated"; }
   // Whether `part`, "face", "leftFingers" or "rightFingers", is merged; false without merge_into.
   bool Merges(std::string_view part) const;
 };

@@ -298,6 +298,7 @@ const std::vector<Key<Source>>& SourceKeys() {
       Text<S>("server", STYLED_FIELD(server)),
       Text<S>("merge_into", STYLED_FIELD(merge_into)),
       Key<S>{"parts", ReadParts},
+      OneOf<S>("body", {"auto", "none", "standing", "seated"}, STYLED_FIELD(body)),
       OneOf<S>("expressions", {"arkit", "vrm"}, STYLED_FIELD(expressions)),
       Flag<S>("multicast", STYLED_FIELD(multicast)),
       Text<S>("group", STYLED_FIELD(group)),

@@ -72,8 +72,8 @@ constexpr float kLeastSmooth_hz = 0.1F;
 
 // The name of the only performer of a source whose rig sends no name; "": the rig sends names.
 std::string OnlyName(const Source& source, const rigs::RigType& rig) {
-  const auto sends_none = {rigs::kMocopi.word, rigs::kSlimeVr.word, rigs::kVmc.word,
-                           rigs::kVrChat.word};
+  const auto sends_none = {rigs::kIFacialMocap.word, rigs::kLiveLinkFace.word, rigs::kMocopi.word,
+                           rigs::kSlimeVr.word,      rigs::kVmc.word,          rigs::kVrChat.word};
   if (std::ranges::find(sends_none, rig.word) == sends_none.end()) return "";
   return source.performer.empty() ? source.name : source.performer;
 }
@@ -111,6 +111,15 @@ Status CheckTarget(const std::vector<Source>& sources, const Source& merged) {
 
 // `merge_into` of source `i`.
 Status CheckMerge(const std::vector<Source>& sources, std::size_t i, const rigs::RigType& rig) {
+  if (sources[i].body != Source().body && !rig.face_only) {
+    return Status::Error("body: a source of type \"" + sources[i].type +
+                         "\" sends a body; only types livelinkface and ifacialmocap get one");
+  }
+  if (sources[i].FaceAlone() && !sources[i].merge_into.empty()) {
+    return Status::Error(
+        "body: \"" + sources[i].body + "\" and merge_into: \"" + sources[i].merge_into +
+        "\"; expected one of them: a body of its own, or another performer's face");
+  }
   if (sources[i].merge_into.empty()) {
     if (!sources[i].parts.empty()) {
       return Status::Error(
@@ -165,10 +174,19 @@ bool Source::Merges(std::string_view part) const {
 }
 
 void AssignFaces(std::vector<Source>& sources) {
-  for (Source& source : sources) {
+  const auto face_only = [](const Source& source) {
     const rigs::SourceType* const type = rigs::FindSourceType(source.type);
-    if (type != nullptr && type->rig->face_only && source.merge_into.empty()) {
+    return type != nullptr && type->rig->face_only;
+  };
+  const bool others = std::ranges::any_of(sources, [&](const Source& source) {
+    return source.merge_into.empty() && (!face_only(source) || source.FaceAlone());
+  });
+  for (Source& source : sources) {
+    if (!face_only(source) || !source.merge_into.empty() || source.FaceAlone()) continue;
+    if (others || source.body == "none") {
       source.merge_into = kOnlyPerformer;
+    } else {
+      source.body = "standing";
     }
   }
 }

@@ -12,7 +12,8 @@
 
 namespace styled::config {
 
-// A source of a type that sends only a face gets merge_into kOnlyPerformer, unless it has one.
+// A source of a type that sends only a face, without `merge_into` and with the body "auto", gets
+// merge_into kOnlyPerformer if another source has performers; else its body stands.
 void AssignFaces(std::vector<Source>& sources);
 
 // Checks names, addresses, and the keys of each [[source]]'s type, as far as the text alone allows;

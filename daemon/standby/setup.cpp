@@ -147,14 +147,16 @@ HashedValues ValuesOf(const Cue& cue) {
 HashedValues ValuesOf(const config::Source& source) {
   const auto& [name, type, listen, performer, up, server, group, interface, multicast, coordinates,
                trackers, joints, rate_hz, delay_s, receive_buffer_bytes, max_connections, usb_id,
-               serial, smoothing, merge_into, parts, expressions, props, sender_limit_hz] = source;
+               serial, smoothing, merge_into, parts, body, expressions, props, sender_limit_hz] =
+      source;
   // These belong to each machine.
   (void)listen, (void)server, (void)group, (void)interface, (void)multicast;
   (void)receive_buffer_bytes, (void)max_connections, (void)usb_id, (void)serial;
   (void)sender_limit_hz;
   HashedValues values;
   values.Add(name).Add(type).Add(performer).Add(up).Add(coordinates).Add(rate_hz).Add(delay_s);
-  values.Add(smoothing.rest_hz).Add(smoothing.per_speed).Add(merge_into).Add(expressions);
+  values.Add(smoothing.rest_hz).Add(smoothing.per_speed).Add(merge_into).Add(body);
+  values.Add(expressions);
   values.Add(trackers.size());
   for (const config::Tracker& tracker : trackers) values.Add(tracker.id).Add(tracker.part);
   values.Add(joints.size());

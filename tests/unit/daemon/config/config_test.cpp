@@ -400,6 +400,30 @@ TEST_F(ConfigTest, QtmsServerIsValidatedWithoutARequest) {
                 "\"192.168.1.10:22223\""));
 }
 
+// The body of the only [[source]], or of the second one, after defaults.
+TEST_F(ConfigTest, AFaceAloneIsAPerformerOfItsOwn) {
+  const auto source = [](const std::string& text) {
+    const auto config = Parse(text, "test", {});
+    EXPECT_TRUE(config.ok()) << config.status().message();
+    return config.ok() ? config.value().sources.back() : Source();
+  };
+  const std::string phone = "[[source]]\nname = \"phone\"\ntype = \"ifacialmocap\"\n";
+  const std::string rig = "[[source]]\nname = \"stage\"\nlisten = \"127.0.0.1:0\"\n";
+  EXPECT_EQ(source(phone).body, "standing");
+  EXPECT_EQ(source(phone).merge_into, "");
+  EXPECT_EQ(source(phone + "body = \"seated\"\n").body, "seated");
+  EXPECT_EQ(source(rig + phone).merge_into, "*") << "the face of the rig's performer";
+  EXPECT_FALSE(source(rig + phone).FaceAlone());
+  EXPECT_TRUE(source(rig + phone + "body = \"seated\"\n").FaceAlone()) << "beside the rig";
+  const std::string other = "[[source]]\nname = \"other\"\ntype = \"livelinkface\"\n";
+  EXPECT_EQ(source(phone + other).body, "standing") << "two phones, two performers";
+  EXPECT_THAT(Complaint(rig + phone + "body = \"seated\"\nmerge_into = \"*\"\n"),
+              HasSubstr("source.1.body: \"seated\" and merge_into: \"*\"; expected one of them"));
+  EXPECT_THAT(Complaint("[[source]]\nname = \"s\"\ntype = \"vmc\"\nbody = \"seated\"\n"),
+              HasSubstr("source.0.body: a source of type \"vmc\" sends a body"));
+  EXPECT_THAT(Complaint(phone + "body = \"lying\"\n"), HasSubstr("standing"));
+}
+
 TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   const std::string rig =
       "[[source]]\nname = \"stage\"\ntype = \"udp\"\nlisten = \"127.0.0.1:0\"\n";
@@ -410,7 +434,8 @@ TEST_F(ConfigTest, AFaceIsAPerformersOfAnotherSource) {
   EXPECT_EQ(Complaint(phone(face + "merge_into = \"stage.anna\"\nexpressions = \"vrm\"\n")), "");
   EXPECT_EQ(Complaint(phone(face)), "") << "the only performer's";
   EXPECT_EQ(Complaint(phone(face + "merge_into = \"*\"\n")), "");
-  EXPECT_THAT(Complaint("[[source]]\nname = \"phone\"\n" + face),
+  const std::string alone = "[[source]]\nname = \"phone\"\n" + face;
+  EXPECT_THAT(Complaint(alone + "body = \"none\"\n"),
               HasSubstr("source.0.merge_into: no source has performers; add a [[source]]"));
   EXPECT_THAT(Complaint(phone("type = \"vmc\"\nmerge_into = \"*\"\nparts = [\"fingers\"]\n")),
               HasSubstr("source.1.merge_into: \"*\" is for a face alone"));
