@@ -47,6 +47,7 @@ struct RuntimeConfig {
   std::vector<rig::JointNames> joints;       // joint names set by hand, per source
   std::vector<config::Smoothing> smoothing;  // per source
   std::vector<config::PropHands> props;      // per source
+  std::vector<float> idle;  // per source: Look.idle of a performer seen for the first time
   std::vector<std::shared_ptr<const RetargetOutput>> outputs;  // in the order of the [[output]]
                                                                // tables
 };

@@ -66,6 +66,10 @@ Performer* Roster::Add(int source, std::string_view name, std::int64_t now_ns) {
   Profile* profile = EnsureProfile(id);
   if (profile == nullptr && MakeRoom(id)) profile = EnsureProfile(id);
   if (profile == nullptr) return nullptr;
+  const auto place = static_cast<std::size_t>(source);
+  if (!profile->has_come && place < config_->idle.size() && profile->look.idle() == 0) {
+    profile->look.set_idle(config_->idle[place]);
+  }
   profile->seen = true;
   performers.push_back(std::make_unique<Performer>(*profile, source, std::string(name), epoch_,
                                                    now_ns, subscriptions_, counters_));

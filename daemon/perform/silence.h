@@ -11,8 +11,13 @@ namespace styled::pipeline {
 // Returns whether there was one; its sequence is the performer's last. Pipeline thread.
 bool SendStale(Performance& performance, Performer& performer, std::int64_t now_ns);
 
+// Sends a frame of a performer whose rig is silent and whose body moves by itself (Look.idle), at
+// `elapsed_ns` of the session. Returns whether there was one; its sequence is the performer's last.
+bool SendIdle(Performance& performance, Performer& performer, std::int64_t elapsed_ns,
+              std::int64_t now_ns);
+
 // Performs a silence that was decided elsewhere: by the leader of a pair, or the daemon that made a
-// recording. Sends stale frames under their numbers, and forgets performers.
+// recording. Sends stale and idle frames under their numbers, and forgets performers.
 void PerformSilence(Performance& performance, const v1::Silence& silence, std::int64_t now_ns);
 
 }  // namespace styled::pipeline

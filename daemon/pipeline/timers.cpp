@@ -35,6 +35,7 @@ std::int64_t Timers::NextDeadline_ns(std::int64_t batch_ns) const {
   const auto& limits = performance_.roster.config().performers;
   for (const auto& performer : performance_.roster.performers) {
     const std::int64_t silent_ns = performer->admission.live() ? StaleAt_ns(*performer, limits)
+                                   : performer->idles()        ? performer->next_idle_ns
                                                                : ForgottenAt_ns(*performer, limits);
     next_ns = std::min({next_ns, performer->next_body_ns, silent_ns});
     if (dependencies_.anticipate) next_ns = std::min(next_ns, Prepare_ns(*performer, batch_ns));
@@ -76,7 +77,7 @@ int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
       work += DoPerformer(*performers[i], now_ns, drained);
       if (performers.size() == count) ++i;  // unless it was forgotten
     }
-    if (silence_.stale_size() + silence_.forgotten_size() > 0) {
+    if (silence_.stale_size() + silence_.idle_size() + silence_.forgotten_size() > 0) {
       performance_.log.OnSilence(now_ns, silence_);
       silence_.Clear();
     }
@@ -104,9 +105,15 @@ int Timers::DoPerformer(Performer& performer, std::int64_t now_ns, bool drained)
       stale.set_performer(performer.profile.id);
       stale.set_first_sequence(performer.profile.next_sequence - 1);
     }
+    performer.next_idle_ns = now_ns;
+  }
+  if (!performer.admission.live() && performer.idles() && now_ns >= performer.next_idle_ns) {
+    ++work;
+    Idle(performer, now_ns);
   }
   LogFacing(performer);
-  if (drained && !performer.admission.live() && now_ns >= ForgottenAt_ns(performer, limits)) {
+  if (drained && !performer.admission.live() && now_ns >= ForgottenAt_ns(performer, limits) &&
+      !Stays(performer)) {
     performance_.events.LogOf(LogLimit::Kind::kForgotten, {}, performer.profile.id,
                               Event::Level::kInfo, "forgotten after silence");
     performance_.counters.Add(Counter::kPipelineForgotten);
@@ -118,6 +125,33 @@ int Timers::DoPerformer(Performer& performer, std::int64_t now_ns, bool drained)
   performer.next_body_ns = now_ns + kSecond_ns;
   performer.outputs.SendBodies(performance_.publisher);
   return work + 1;
+}
+
+// The frames of a silent performer follow each other as those of the rig did, between 30 and 120 a
+// second.
+void Timers::Idle(Performer& performer, std::int64_t now_ns) {
+  constexpr std::int64_t kShortest_ns = kSecond_ns / 120, kLongest_ns = kSecond_ns / 30;
+  // Since the last frame; after a takeover that is not known.
+  const std::int64_t since_ns =
+      now_ns - std::max(performer.frame().arrival_ns, performer.admission.last_frame_ns());
+  const std::int64_t elapsed_ns =
+      performer.elapsed_ns() + std::clamp(since_ns, runtime::kMillisecond_ns, kSecond_ns);
+  if (SendIdle(performance_, performer, elapsed_ns, now_ns)) {
+    v1::IdleFrame& idle = *silence_.add_idle();
+    idle.set_performer(performer.profile.id);
+    idle.set_published(performer.profile.next_sequence - 1);
+    idle.set_elapsed_ns(elapsed_ns);
+  }
+  const std::int64_t period_ns =
+      std::clamp(performer.latency.rig.period_ns(), kShortest_ns, kLongest_ns);
+  performer.next_idle_ns = std::max(performer.next_idle_ns + period_ns, now_ns + period_ns / 2);
+}
+
+// A performer whose body moves by itself stays until another one needs the place.
+bool Timers::Stays(const Performer& performer) const {
+  const auto most =
+      static_cast<std::size_t>(performance_.roster.config().performers.max_performers);
+  return performer.idles() && performance_.roster.performers.size() < most;
 }
 
 void Timers::LogFacing(Performer& performer) {

@@ -31,6 +31,8 @@ class Timers {
   int DoPerformer(Performer& performer, std::int64_t now_ns, bool drained);
   std::int64_t Prepare_ns(const Performer& performer, std::int64_t batch_ns) const;
   void Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns);
+  void Idle(Performer& performer, std::int64_t now_ns);
+  bool Stays(const Performer& performer) const;
   void LogFacing(Performer& performer);
   int LogLayers(std::int64_t now_ns);
   void LogStray(std::int64_t now_ns);

@@ -60,6 +60,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Counter::kCount)> kRows{{
     {Counter::kPipelineLate, "pipeline.late"},
     {Counter::kPipelineBacklogDropped, "pipeline.backlog_dropped", true},
     {Counter::kPipelineStale, "pipeline.stale"},
+    {Counter::kPipelineIdle, "pipeline.idle"},
     {Counter::kPipelinePerformers, "pipeline.performers"},
     {Counter::kPipelinePerformersRefused, "pipeline.performers_refused", true},
     {Counter::kPipelineForgotten, "pipeline.forgotten"},

@@ -67,7 +67,8 @@ enum class Counter : std::uint8_t {
   kPipelineRecounts,    // sessions started because a sender continued from another sequence number
   kPipelineLate,        // frames published with FLAG_LATE
   kPipelineBacklogDropped,  // frames skipped because a newer one was waiting
-  kPipelineStale,           // frames published with FLAG_STALE
+  kPipelineStale,           // performers that fell silent: a frame published with FLAG_STALE
+  kPipelineIdle,            // frames of bodies that moved by themselves while their rigs were silent
   kPipelinePerformers,      // the current number
   kPipelinePerformersRefused,
   kPipelineForgotten,

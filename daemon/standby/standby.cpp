@@ -12,7 +12,7 @@
 namespace styled::standby {
 namespace {
 
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 // Above any real clock or message count: 146 years in nanoseconds.
 constexpr std::int64_t kMostTime_ns = std::int64_t{1} << 62U;
 constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 62U;

@@ -85,11 +85,13 @@ Result<std::shared_ptr<const RuntimeConfig>> MakeRuntimeConfig(const config::Con
   if (running != nullptr) {
     made->joints = running->joints;  // sources change only at a restart
     made->smoothing = running->smoothing;
+    made->idle = running->idle;
     made->props = running->props;
   } else {
     for (const auto& source : config.sources) {
       made->joints.push_back(source.joints);
       made->smoothing.push_back(source.smoothing);
+      made->idle.push_back(source.FaceAlone() ? 1.0F : 0.0F);
       made->props.push_back(source.props);
     }
   }

@@ -15,7 +15,7 @@ class StrangersTest : public PairTest {
   // A message as a leader of a higher term would send it, changed.
   static std::string Bogus(const std::function<void(v1::Journal&)>& change) {
     v1::Journal entry;
-    entry.set_version(3);
+    entry.set_version(4);
     entry.set_daemon(3);
     entry.set_epoch(3);
     entry.set_term(1000);
@@ -33,7 +33,7 @@ class StrangersTest : public PairTest {
         "no message at all",
         std::string(100'000, '\0'),
         Bogus([](v1::Journal& e) { e.set_version(1); }),
-        Bogus([](v1::Journal& e) { e.set_version(4); }),
+        Bogus([](v1::Journal& e) { e.set_version(5); }),
         Bogus([](v1::Journal& e) { e.set_daemon(0); }),
         Bogus([](v1::Journal& e) { e.set_number(0); }),
         Bogus([](v1::Journal& e) { e.set_number(~0ULL); }),

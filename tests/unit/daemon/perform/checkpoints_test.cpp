@@ -228,8 +228,8 @@ TEST_F(CheckpointsTest, ARefusedCheckpointChangesNothing) {
   both(30, 50);
   const v1::Checkpoint good = second->Accept().checkpoint();
   const std::vector<std::pair<std::string, std::function<void(v1::Checkpoint&)>>> bad{
-      {"version 0, expected 3", [](v1::Checkpoint& c) { c.Clear(); }},
-      {"version 2, expected 3", [](v1::Checkpoint& c) { c.set_version(2); }},
+      {"version 0, expected 4", [](v1::Checkpoint& c) { c.Clear(); }},
+      {"version 3, expected 4", [](v1::Checkpoint& c) { c.set_version(3); }},
       {"weights random.safetensors", [](v1::Checkpoint& c) { c.set_weights_crc(1); }},
       {"styles", [](v1::Checkpoint& c) { c.add_styles("pirate"); }},
       {"[[output]]", [](v1::Checkpoint& c) { c.add_outputs("hero"); }},
