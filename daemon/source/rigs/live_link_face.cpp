@@ -1,11 +1,13 @@
 #include "daemon/source/rigs/live_link_face.h"
 
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "daemon/runtime/clock.h"
 #include "daemon/source/face_stream.h"
+#include "daemon/source/rigs/face_body.h"
 #include "proto/rigs/livelinkface/live_link_face.h"
 
 namespace styled::source {
@@ -16,10 +18,13 @@ using runtime::Counter;
 constexpr std::int64_t kFaceTakeOver_ns = 2 * runtime::kSecond_ns;
 // As in mocopi.cpp: a smaller step back means a late frame, unless so many occur in a row.
 constexpr int kFaceOldFrames = 5;
+constexpr std::size_t kYaw = arkit::kShapes, kPitch = kYaw + 1, kRoll = kYaw + 2;
 
 class LiveLinkFace final : public Translator {
  public:
-  explicit LiveLinkFace(const config::Source& config) : face_(config.expressions == "vrm") {}
+  explicit LiveLinkFace(const config::Source& config) : face_(config.expressions == "vrm") {
+    if (config.FaceAlone()) body_.emplace(config);
+  }
 
   void Handle(std::span<const std::byte> datagram, const Peer& /*peer*/, std::int64_t now_ns,
               Outbox& out) override {
@@ -32,8 +37,21 @@ class LiveLinkFace final : public Translator {
     const double seconds = (double{frame.subframe} + static_cast<double>(frame.frame)) *
                            frame.rate_divisor / frame.rate;
     const double time_ns = std::isfinite(seconds) && seconds > 0 ? seconds * 1e9 : 0.0;
-    stream_.Send(face_.Of(std::span(frame.values).first<arkit::kShapes>()), number_++,
-                 static_cast<std::uint64_t>(time_ns), out);
+    const auto shapes = std::span(frame.values).first<arkit::kShapes>();
+    const Face& face = face_.Of(shapes);
+    if (!body_) return stream_.Send(face, number_++, static_cast<std::uint64_t>(time_ns), out);
+    body_->Send({.yaw_rad = frame.values[kYaw],
+                 .pitch_rad = -frame.values[kPitch],
+                 .roll_rad = -frame.values[kRoll],
+                 .source_time_ns = static_cast<std::uint64_t>(time_ns),
+                 .lost = lost_,
+                 .now_ns = now_ns},
+                shapes, face, out);
+  }
+
+  bool has_sensors() const override { return body_.has_value(); }
+  Status Calibrate(Calibration what, std::int64_t now_ns) override {
+    return body_ ? body_->Calibrate(what) : Translator::Calibrate(what, now_ns);
   }
 
  private:
@@ -63,6 +81,7 @@ class LiveLinkFace final : public Translator {
       }
       Restart();
     }
+    lost_ = any_ ? static_cast<std::uint64_t>(std::int64_t{frame.frame} - frame_ - 1) : 0;
     any_ = true;
     behind_ = 0;
     frame_ = frame.frame;
@@ -71,6 +90,7 @@ class LiveLinkFace final : public Translator {
   }
   void Restart() noexcept {
     stream_.Restart();
+    if (body_) body_->Restart();
     any_ = false;
     behind_ = 0;
     number_ = 0;
@@ -81,8 +101,9 @@ class LiveLinkFace final : public Translator {
   std::int32_t frame_ = 0;
   std::int64_t seen_ns_ = 0;
   int behind_ = 0;  // consecutive frames that were older than the newest
-  std::uint64_t number_ = 0;
-  FaceStream stream_;
+  std::uint64_t number_ = 0, lost_ = 0;
+  FaceStream stream_;             // of a face that is merged
+  std::optional<FaceBody> body_;  // of a face alone
   ShapeFace face_;
 };
 

@@ -52,6 +52,25 @@ TEST(IFacialMocapTranslator, AFaceHasNumbersOfItsOwn) {
   EXPECT_GT(second[0].sequence, first[0].sequence);
 }
 
+// The sample on the vendor's page: the head looks 21 degrees up and 6 to the right.
+TEST(IFacialMocapTranslator, AFaceAloneHasTheSamplesHead) {
+  config::Source config = Config();
+  config.merge_into = "";
+  config.body = "seated";
+  Translated translation(MakeIFacialMocap(config));
+  const auto said = Said(translation, Bytes(ifacialmocap::testing::kVersion1));
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_EQ(said[0].body.performer(), "phone");
+  const auto pose = support::CanonicalPose(said[0].body, said[1].frame);
+  ASSERT_TRUE(pose);
+  body::WorldPose world;
+  body::ForwardKinematics(*pose, world);
+  const body::Vec3 ahead = world.rotations[body::kHead] * body::Vec3::UnitZ();
+  EXPECT_NEAR(std::asin(ahead.y()) * 57.29578F, 21.49F, 0.1F);
+  EXPECT_NEAR(std::atan2(ahead.x(), ahead.z()) * 57.29578F, -6.04F, 0.1F);
+  EXPECT_FLOAT_EQ(Value(said[1], "jawOpen"), 0.12F);
+}
+
 TEST(IFacialMocapTranslator, AnotherPhoneWaitsUntilTheFirstIsSilent) {
   Translated translation(MakeIFacialMocap(Config()));
   const auto face = Bytes(ifacialmocap::testing::kVersion2);

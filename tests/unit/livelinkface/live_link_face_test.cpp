@@ -35,33 +35,8 @@ TEST(LiveLinkFace, ReadsWhatTheLayoutSaysByteForByte) {
   EXPECT_EQ(testing::Written(frame), bytes);
 }
 
-// The frames of a recording of LLV: gzip of { u8 6; u32 n; n x { u32 size; datagram } }.
-std::vector<Bytes> ReadRecording(const std::string& name) {
-  const char* set = std::getenv("STYLED_DATA");
-  const std::filesystem::path folder = set != nullptr ? set : STYLED_DATA_DEFAULT;
-  const gzFile file = gzopen((folder / "packets" / "livelinkface" / name).c_str(), "rb");
-  std::vector<Bytes> datagrams;
-  if (file == nullptr) return datagrams;
-  const auto word = [file] {
-    std::uint32_t value = 0;
-    for (int i = 0; i < 4; ++i) value = value << 8U | static_cast<std::uint32_t>(gzgetc(file));
-    return value;
-  };
-  if (gzgetc(file) == 6) {
-    for (std::uint32_t left = word(); left > 0; --left) {
-      Bytes& datagram = datagrams.emplace_back(word());
-      if (gzread(file, datagram.data(), static_cast<unsigned>(datagram.size())) !=
-          static_cast<int>(datagram.size())) {
-        ADD_FAILURE() << name << ": cut";
-      }
-    }
-  }
-  gzclose(file);
-  return datagrams;
-}
-
 TEST(LiveLinkFace, ARecordingOfTheAppIsReadAndWrittenByteForByte) {
-  const auto datagrams = ReadRecording("dao.gesichter");
+  const auto datagrams = testing::ReadRecording("dao.gesichter");
   if (datagrams.empty()) GTEST_SKIP() << "skipped, no data";
   ASSERT_EQ(datagrams.size(), 180U);
   std::int32_t last = 0;
@@ -87,7 +62,7 @@ TEST(LiveLinkFace, ARecordingOfTheAppIsReadAndWrittenByteForByte) {
 TEST(LiveLinkFace, AnExpressionIsWhereItsNameSays) {
   bool any = false;
   for (const auto* const shape : {"eyeblinkleft", "jawopen"}) {
-    const auto datagrams = ReadRecording(std::string("debug-") + shape + ".gesichter");
+    const auto datagrams = testing::ReadRecording(std::string("debug-") + shape + ".gesichter");
     any = any || !datagrams.empty();
     float most = 0;
     for (const Bytes& bytes : datagrams) {
