@@ -125,7 +125,7 @@ void Examination::Source(const SourceFacts& source) {
   if (!Content(source, evidence)) return;
   // A face or fingers are merged into a performer of another source, whose frames are checked
   // there.
-  const bool is_part = Row(source.expected.format).face_only || !source.expected.merge_into.empty();
+  const bool is_part = !source.expected.merge_into.empty();
   if (source.in_daemon && !is_part) Frames(source, evidence);
   if (source.stray.empty()) return;
   Report(Severity::kProblem, Step::kFrames, &source, "not_merged",

@@ -199,6 +199,12 @@ void Examination::Frames(const SourceFacts& source, const Evidence& evidence) {
       {"source.ignored", Step::kVersion, "no_pose", "the data contains no pose",
        "Let the rig send poses, and all its streams to one port."},
   }};
+  if (Row(source.expected.format).face_only && GrownOf(source, "source.incomplete") > 0) {
+    return Report(Severity::kProblem, Step::kFrames, &source, "no_face",
+                  Label(source) + ": no frames, because the phone's camera sees no face.",
+                  "source.incomplete grew.",
+                  "Let the camera see the whole face, lit from the front.");
+  }
   for (const Cause& cause : kCauses) {
     const std::uint64_t count = GrownOf(source, cause.counter);
     if (2 * count < evidence.arrived || count == 0) continue;

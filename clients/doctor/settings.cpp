@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include "clients/doctor/format.h"
 #include "model/base/read_file.h"
 #include "model/base/toml_nesting.h"
 
@@ -32,13 +33,36 @@ ExpectedSource ReadSource(const toml::table& table) {
   return out;
 }
 
+// A face without merge_into is the only performer's of another source; without one, or with a body,
+// it is a performer of its own. As the daemon reads it (daemon/config/sources.cpp).
+void AssignFaces(const std::vector<std::string>& bodies, std::vector<ExpectedSource>& sources) {
+  const auto alone = [&](std::size_t i) {
+    return bodies[i] == "standing" || bodies[i] == "seated";
+  };
+  const auto may = [&](std::size_t i) {
+    return sources[i].merge_into.empty() && Row(sources[i].format).face_only && !alone(i);
+  };
+  bool others = false;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    others = others || (sources[i].merge_into.empty() && !may(i));
+  }
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (may(i) && (others || bodies[i] == "none")) sources[i].merge_into = "*";
+  }
+}
+
 Settings ReadTable(const toml::table& table) {
   Settings out;
+  std::vector<std::string> bodies;
   if (const toml::array* sources = table["source"].as_array()) {
     for (const auto& node : *sources) {
-      if (const toml::table* source = node.as_table()) out.sources.push_back(ReadSource(*source));
+      const toml::table* source = node.as_table();
+      if (source == nullptr) continue;
+      out.sources.push_back(ReadSource(*source));
+      bodies.push_back(TextOf(*source, "body", ""));
     }
   }
+  AssignFaces(bodies, out.sources);
   if (const toml::table* control = table["control"].as_table()) {
     out.control = TextOf(*control, "address", "");
   }

@@ -81,7 +81,9 @@ class Layers {
   std::vector<FingerLayer*> FingersOf(std::string_view performer);
   // The performer that a source is merged into; "": none, the source has performers of its own.
   std::string Into(std::size_t source) const {
-    return source < layers_.size() && layers_[source] ? layers_[source]->into : "";
+    if (source >= layers_.size() || !layers_[source]) return "";
+    const Layer& layer = *layers_[source];
+    return layer.follows && layer.into.empty() ? std::string(config::kOnlyPerformer) : layer.into;
   }
   // Whether data of a source that is merged arrive.
   bool Arrives(std::size_t source, std::int64_t now_ns) const noexcept {

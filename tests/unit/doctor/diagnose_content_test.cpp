@@ -209,6 +209,7 @@ TEST_F(ContentTest, TheCureForAFaceNamesWhoGetsIt) {
 TEST_F(ContentTest, APhoneWhoseFaceNoPerformerGetsIsAProblem) {
   machine_.InDaemon("udp", "127.0.0.1:7000", 360, "stage");
   SourceFacts& phone = machine_.InDaemon("livelinkface", "0.0.0.0:11111", 360, "phone");
+  phone.expected.merge_into = "*";
   machine_.LivePerformer("stage.stage");
   machine_.Grow("publish.subscriptions", 1);
   EXPECT_EQ(machine_.Codes(), "");
@@ -263,8 +264,18 @@ TEST_F(ContentTest, APerformerWithLostDatagramsIsNamed) {
 
 // The frames are those of the performer that it is merged into.
 TEST_F(ContentTest, AFaceNeedsNoPerformerOfItsOwnSource) {
-  EXPECT_EQ(CodesOfCounter("livelinkface", "nothing.at_all"), "");
-  EXPECT_EQ(CodesOfCounter("ifacialmocap", "source.incomplete"), "note counter_grew");
+  machine_.InDaemon("livelinkface", "0.0.0.0:11111", 100).expected.merge_into = "*";
+  EXPECT_EQ(machine_.Codes(), "");
+  machine_ = Machine();
+  machine_.InDaemon("ifacialmocap", "0.0.0.0:49983", 100).expected.merge_into = "stage.anna";
+  machine_.Grow("source.incomplete", 100);
+  EXPECT_EQ(machine_.Codes(), "note counter_grew");
+}
+
+TEST_F(ContentTest, AFaceAloneIsAPerformer) {
+  EXPECT_EQ(CodesOfCounter("livelinkface", "nothing.at_all"), "problem no_frames suit");
+  EXPECT_EQ(CodesOfCounter("ifacialmocap", "source.incomplete"), "problem no_face suit");
+  EXPECT_NE(machine_.First().what.find("sees no face"), std::string::npos);
 }
 
 TEST_F(ContentTest, WithoutAReasonTheLogIsPointedTo) {

@@ -164,7 +164,7 @@ TEST(Layers, AFaceWithoutANameIsTheOnlyPerformers) {
   const auto shown = [&](const std::string& performer, bool alone) {
     return Parsed(layers.FaceOf(performer, alone, own, 0)).expressions(0).name() == "jawOpen";
   };
-  EXPECT_EQ(layers.Into(1), "");
+  EXPECT_EQ(layers.Into(1), "*");
   EXPECT_FALSE(shown("stage.anna", false)) << "of two, neither is named";
   EXPECT_FALSE(shown("stage.ben", false));
   EXPECT_TRUE(shown("stage.anna", true));
