@@ -19,7 +19,14 @@ class IFacialMocap final : public Rig {
     if (!started_) return;
     ifacialmocap::Frame out;
     out.shapes = SyntheticFace(frame.time_s);
-    out.head = {-3, 12, 1, 0, 0, -0.5F};
+    constexpr float kDegrees = 57.29578F;
+    const SyntheticHead head = HeadOfSyntheticFace(frame.time_s);
+    out.head = {kDegrees * head.down_rad,
+                kDegrees * head.left_rad,
+                kDegrees * head.to_right_shoulder_rad,
+                0,
+                0,
+                -0.5F};
     std::array<char, ifacialmocap::kMaxSize> text;
     std::string whole = state_ ? "trackingStatus&1|" : "";
     whole.append(text.data(), ifacialmocap::Encode(out, version_, text));

@@ -30,6 +30,9 @@ class LiveLinkFace final : public Rig {
     out.has_face = !loses_ || std::fmod(frame.time_s, 10.0) < 8;
     const auto face = SyntheticFace(frame.time_s);
     std::copy(face.begin(), face.end(), out.values.begin());
+    const SyntheticHead head = HeadOfSyntheticFace(frame.time_s);
+    const std::array<float, 3> angles{head.left_rad, -head.down_rad, -head.to_right_shoulder_rad};
+    std::copy(angles.begin(), angles.end(), out.values.begin() + arkit::kShapes);
     std::array<std::byte, live_link_face::kMaxSize> bytes;
     send(std::span(bytes).first(live_link_face::Encode(out, bytes)));
   }

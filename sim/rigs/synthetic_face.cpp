@@ -33,4 +33,9 @@ std::array<float, arkit::kShapes> SyntheticFace(double time_s) {
   return face;
 }
 
+SyntheticHead HeadOfSyntheticFace(double time_s) {
+  return {static_cast<float>(0.3 * Wave(time_s, 6.1)), static_cast<float>(0.1 * Wave(time_s, 4.3)),
+          static_cast<float>(0.08 * Wave(time_s, 8.7))};
+}
+
 }  // namespace styled::rigs

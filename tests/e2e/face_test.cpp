@@ -152,6 +152,34 @@ TEST(FaceTest, APhoneWithoutANameIsTheOnlyPerformers) {
   EXPECT_EQ(Smiling(frames, "rig.a", "jawOpen") + Smiling(frames, "rig.b", "jawOpen"), 0);
 }
 
+// A phone and nothing else; then its battery is empty.
+TEST(FaceTest, AFaceAloneIsAPerformerWhoMovesInTheSilence) {
+  Daemon daemon({},
+                "[[source]]\nname = \"phone\"\ntype = \"livelinkface\"\n"
+                "listen = \"127.0.0.1:0\"\nbody = \"standing\"\n");
+  Subscriber subscriber(daemon.publish, {"body/", "styled/phone.phone/canonical/"});
+  const UdpLink phone(daemon.listens.at(2));
+  auto rig = rigs::MakeLiveLinkFace({});
+  Paced(60, 60, [&](int i) {
+    rigs::Frame frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    frame.time_s = static_cast<double>(i) / 60;
+    rig.value()->Encode(frame, [&](auto datagram) { phone.Send(Copy(datagram)); });
+  });
+  // A quarter of a second later its body moves by itself, at the phone's rate.
+  EXPECT_TRUE(subscriber.WaitForFrames(50 + 60, "styled/")) << daemon.Log();
+  int idle = 0;
+  for (const v1::Frame& frame : subscriber.Frames("styled/")) {
+    EXPECT_EQ(frame.rotations_size(), 4 * 23) << "with eyes";
+    idle += (frame.flags() & v1::FLAG_STALE) != 0 ? 1 : 0;
+  }
+  EXPECT_GE(idle, 50);
+  const v1::StatusReply status = ControlClient(daemon.control).Status();
+  ASSERT_EQ(status.stats().performers_size(), 1);
+  EXPECT_EQ(status.stats().performers(0).performer(), "phone.phone");
+  EXPECT_EQ(status.stats().performers(0).look().idle(), 1);
+}
+
 // The phone is silent until the daemon asks for it, at the address in `server`.
 TEST(FaceTest, APhoneThatMustBeAskedIsAsked) {
   PhoneSocket phone;
