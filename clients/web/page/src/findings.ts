@@ -16,11 +16,11 @@ const REASONS: [RegExp, string][] = [
   [/far_ahead|old_time|duplicate|reordered/, "their numbers or times are not those of the frames before: does a second sender send?"],
   [/second_sender|takeovers_refused/, 'a second sender uses the same name: only the first is used'],
   [/tcp_refused|tcp_silent|tcp_broken|tcp_cut_short/, 'the connection does not hold'],
-  [/incomplete/, 'parts of the frames are missing: does the network lose datagrams?'],
+  [/incomplete/, 'a phone sees no face, or parts of the frames are missing: does the network lose datagrams?'],
   [/rate_limited|table_full/, 'too much data: too many performers or frames'],
 ];
 
-const PHONES = ['livelinkface', 'ifacialmocap']; // a face, without a body
+const PHONES = ['livelinkface', 'ifacialmocap']; // a face: of another performer, or with a body of ours
 // Why nothing arrives, by type of source; otherwise by transport.
 const SILENT: Record<string, string> = {
   ifacialmocap: 'the daemon asks the phone, which has never answered. Is its app open and in front, and does server of this source name its address?',
@@ -54,8 +54,8 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
   const only = now.sources.filter((source) => freshOf(source) > 0).length === 1;
   const layers = new Map(now.performers.flatMap(({ layers }) => layers.map(({ source, part }) => [source, part] as const)));
   const sentences = now.sources.map((source) => {
-    const { name, type, listen, received } = source;
-    const part = layers.get(name) ?? (PHONES.includes(type) ? 'face' : '');
+    const { name, type, listen, received, mergeInto } = source;
+    const part = layers.get(name) ?? (PHONES.includes(type) && mergeInto ? 'face' : '');
     const place = `${name} (${type}${listen ? `, ${listen}` : ''})`;
     const fresh = freshOf(source);
     if (received === 0n) return { rank: 2, text: `${place}: ${SILENT[type] ?? UNHEARD}` };
@@ -67,6 +67,11 @@ export function findings(now: Stats, before: Stats | undefined): string[] {
   sentences.sort((a, b) => a.rank - b.rank);
   const more = sentences.length - MOST;
   return [...sentences.slice(0, MOST).map(({ text }) => text), ...(more > 0 ? [`${more} more ${more === 1 ? 'source' : 'sources'}: stylectl status.`] : [])];
+}
+
+/** Sentences about sources whose data, a face or fingers, reach no performer. */
+export function strays(now: Stats): string[] {
+  return now.sources.filter(({ stray }) => stray).map(({ name, type, stray }) => `${name} (${type}): ${stray}.`);
 }
 
 const KNOWN = 0.8; // of a performer's neutral: two seconds of it

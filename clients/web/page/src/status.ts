@@ -3,7 +3,7 @@ import { CommercialUse, type Stats } from 'styled-client';
 
 import type { App } from './app.js';
 import { h, setText } from './dom.js';
-import { findings } from './findings.js';
+import { findings, strays } from './findings.js';
 import { licencesDialog } from './licences.js';
 import type { Stage } from './stage.js';
 
@@ -55,27 +55,29 @@ export function banner(app: App): HTMLElement {
     },
   }, given, h('button', { className: 'go' }, 'Open'));
   const box = h('div', { className: 'banner', role: 'status' }, title, text, token, list);
-  let stats: Stats | undefined, found: string[] = [];
+  let stats: Stats | undefined, found: string[] = [], lost: string[] = [];
   app.client.on('stats', (now) => {
     found = app.live().length === 0 ? findings(now, stats) : [];
+    lost = strays(now);
     stats = now;
     update();
   });
   const update = () => {
-    const now = trouble(app);
+    const state = trouble(app);
+    const now = state.kind === 'ok' && lost.length > 0 ? { kind: 'note', title: 'Arrives, and reaches no performer', text: '', sources: true, token: false } : state;
     box.hidden = now.kind === 'ok';
     box.dataset.kind = now.kind;
     setText(title, now.title);
     setText(text, now.text);
     token.hidden = now.token !== true;
-    const lines = now.sources ? found : [];
+    const lines = state.kind === 'ok' ? lost : now.sources ? found : [];
     list.hidden = lines.length === 0;
     // A screen reader is notified of changes, not once a second.
     const words = (line: string) => line.replace(/\d+ datagrams/, '');
     if (lines.map(words).join() !== [...list.children].map((line) => words(line.textContent!)).join()) {
       list.replaceChildren(...lines.map((line) => h('li', {}, line)));
     }
-    document.body.dataset.state = now.kind;
+    document.body.dataset.state = state.kind;
   };
   app.watch(update);
   update();

@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { PerformerStatsSchema, StatsSchema } from 'styled-client';
 
-import { findings, neutralWords } from './dist/findings.js';
+import { findings, neutralWords, strays } from './dist/findings.js';
 
 const stats = (sources, counters = {}, epoch = 1n) =>
   create(StatsSchema, {
@@ -32,13 +32,27 @@ test('phones, sources that ask a server, and devices are told what they lack', (
 
 test('a phone that sends is no reason for silence: its face waits for a body', () => {
   const of = (phone, stage, layers = []) => create(StatsSchema, { epoch: 1n, performers: [{ performer: 'stage.anna', layers }], sources: [
-    { name: 'phone', type: 'livelinkface', received: BigInt(phone) }, { name: 'glove', type: 'vmc', received: BigInt(phone) },
+    { name: 'phone', type: 'livelinkface', received: BigInt(phone), mergeInto: '*' }, { name: 'glove', type: 'vmc', received: BigInt(phone) },
     { name: 'stage', type: 'mvn', received: BigInt(stage) }] });
   const layers = [{ source: 'glove', part: 'fingers', live: true }];
   const found = findings(of(160, 5, layers), of(100, 5, layers));
   assert.deepEqual(found.map((text) => text.split(' ')[0]), ['stage', 'phone', 'glove']);
   assert.match(found[1], /60 datagrams arrived in the last second: a face, which waits for the body/);
   assert.match(found[2], /: fingers, which waits? for the body/);
+});
+
+test('a phone that is a performer by itself waits for no body', () => {
+  const of = (count) => create(StatsSchema, { epoch: 1n, counters: [{ name: 'source.incomplete', value: BigInt(count) }],
+    sources: [{ name: 'phone', type: 'livelinkface', received: BigInt(count) }] });
+  const [found] = findings(of(160), of(100));
+  assert.match(found, /60 datagrams arrived in the last second, but no pose: a phone sees no face/);
+});
+
+test('data that reach no performer, as the daemon explains it', () => {
+  const now = create(StatsSchema, { sources: [{ name: 'stage', type: 'mvn' },
+    { name: 'phone', type: 'livelinkface', stray: 'its data are for stage.anna, who is not here; here is stage.ben' }] });
+  assert.deepEqual(strays(now), ['phone (livelinkface): its data are for stage.anna, who is not here; here is stage.ben.']);
+  assert.deepEqual(strays(create(StatsSchema, {})), []);
 });
 
 test('datagrams that are no poses, with what they are counted as', () => {
