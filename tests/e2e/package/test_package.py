@@ -57,7 +57,7 @@ class PackageTest(unittest.TestCase):
         project = os.path.join(self.folder, 'project')
         shutil.copytree(os.path.dirname(self.example), project)
         self.assertEqual(sorted(os.listdir(project)), ['CMakeLists.txt', 'example.cpp'])
-        self.run_in('project', CMAKE, '-S', '.', '-B', 'build', f'-DCMAKE_PREFIX_PATH={self.prefix}',
+        self.run_in('project', CMAKE, '-G', 'Ninja', '-S', '.', '-B', 'build', f'-DCMAKE_PREFIX_PATH={self.prefix}',
                     f'-DCMAKE_CXX_COMPILER={CXX}')
         self.run_in('project', CMAKE, '--build', 'build')
         self.expect_to_see_heads(os.path.join(project, 'build', 'example'))
