@@ -27,10 +27,11 @@ constexpr float kDegrees = 57.29578F;
 const std::string kFolder = STYLED_SOURCE_DIR "/tests/golden/";
 const std::string kWeights = STYLED_SOURCE_DIR "/model/weights/v2.safetensors";
 
-// Positions far from the origin are rounded more coarsely: each of a handful of sums by half of a
-// float's last digit, 0.03 mm at a kilometre.
+// Positions far from the origin are rounded more coarsely: each of a dozen sums by half of a
+// float's last digit, 0.03 mm at a kilometre. At 1.6 km GCC 14 differs from the expected, of GCC
+// 12, by 0.92 mm, 4.4 of these; GCC 12's paths among themselves by less than 4.
 float MostMetres(const body::Vec3& root_m) {
-  return kMost_m + 4 * std::numeric_limits<float>::epsilon() * root_m.norm();
+  return kMost_m + 6 * std::numeric_limits<float>::epsilon() * root_m.norm();
 }
 
 struct Difference {
