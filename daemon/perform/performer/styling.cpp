@@ -69,7 +69,11 @@ void Styling::Adopt(const RuntimeConfig& config) {
 
 void Styling::SetInput(rig::RigPose& received) noexcept {
   std::swap(in_, received);  // both have the skeleton's size
-  if (left_handed_) rig::Mirror(in_);
+  if (!left_handed_) return;
+  // The rig sends joint 0's position alone; the other translations are the mirrored skeleton's
+  // offsets already.
+  in_.translations.front() = rig::Mirrored(in_.translations.front());
+  for (rig::Quat& rotation : in_.rotations) rotation = rig::Mirrored(rotation);
 }
 
 void Styling::Finish(std::uint32_t extra_flags) noexcept {
