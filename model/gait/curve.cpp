@@ -32,6 +32,35 @@ Rotations Curve::At(const Terms& terms) const noexcept {
   return at;
 }
 
+Rotations Mirrored(const Rotations& rotations) noexcept {
+  Rotations mirrored;
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    const body::Quat& q = rotations[static_cast<std::size_t>(body::MirrorJoint(joint))];
+    mirrored[static_cast<std::size_t>(joint)] = body::Quat(q.w(), q.x(), -q.y(), -q.z());
+  }
+  return mirrored;
+}
+
+Terms MirrorSigns() noexcept {
+  Terms signs;
+  signs[0] = 1;
+  for (int k = 1; k <= kHarmonics; ++k) signs[k] = signs[kHarmonics + k] = k % 2 == 0 ? 1 : -1;
+  return signs;
+}
+
+Series Mirrored(const Series& series) noexcept {
+  const Terms signs = MirrorSigns();
+  Series mirrored = Series::Zero();
+  for (int joint = 0; joint < body::kJointCount; ++joint) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float sign = axis == 0 ? 1.0F : -1.0F;
+      mirrored.row(3 * joint + axis) =
+          sign * series.row(3 * body::MirrorJoint(joint) + axis).cwiseProduct(signs.transpose());
+    }
+  }
+  return mirrored;
+}
+
 Rotations HeadingRelative(const body::Pose& pose, float heading_rad) noexcept {
   Rotations rotations = pose.rotations;
   rotations[body::kHips] = body::Yaw(-heading_rad) * rotations[body::kHips];

@@ -48,6 +48,12 @@ STYLED_REALTIME Rotations HeadingRelative(const body::Pose& pose, float heading_
 // The rotation vectors from `mean` to `rotations`: log(mean_j^-1 rotation_j).
 STYLED_REALTIME Vectors VectorsAbout(const Rotations& mean, const Rotations& rotations) noexcept;
 
+// Exchanges left and right (body::Mirror). Half a stride lies between a gait and its mirror image,
+// so that odd harmonics change their sign.
+STYLED_REALTIME Rotations Mirrored(const Rotations& rotations) noexcept;
+STYLED_REALTIME Series Mirrored(const Series& series) noexcept;
+STYLED_REALTIME Terms MirrorSigns() noexcept;  // of the terms: 1 or -1
+
 inline auto VectorOf(const Vectors& vectors, int joint) { return vectors.segment<3>(3 * joint); }
 
 }  // namespace styled::gait

@@ -123,6 +123,12 @@ Tracker Tracker::Before(float s) const noexcept {
   return before;
 }
 
+void Tracker::Mirror() noexcept {
+  phase_.phase_rad = WithinTurn(phase_.phase_rad + tuning::kTurn_rad / 2);
+  for (float* const to_the_left : {&distance_m_, &mean_m_, &speed_mps_, &heading_[0], &way_mps_[0]})
+    *to_the_left = -*to_the_left;
+}
+
 void Tracker::Carry(Checkpoint& c) noexcept {
   c(phase_.phase_rad, phase_.rate_rad_s, phase_.confidence, distance_m_, mean_m_, speed_mps_,
     amplitude_m_, square_speed_, lock_, lift_, heading_, way_mps_, hips_m_, phase_.bounce_m,

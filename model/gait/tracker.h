@@ -50,6 +50,8 @@ class Tracker {
   Tracker Before(float s) const noexcept;
 
   STYLED_REALTIME void Reset() noexcept { *this = Tracker(); }
+  // The following frames continue the same gait with left and right exchanged.
+  STYLED_REALTIME void Mirror() noexcept;
   // See model/base/checkpoint.h.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept;
 

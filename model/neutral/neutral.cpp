@@ -272,6 +272,22 @@ void Neutral::Calibrate(float seconds) noexcept {
   calibrates_s_ = seconds;
 }
 
+void Neutral::Mirror() noexcept {
+  learned_.rotations = gait::Mirrored(learned_.rotations);
+  used_.rotations = gait::Mirrored(used_.rotations);
+  tracker_.Mirror();
+  walk_.Mirror();
+  run_.Mirror();
+}
+
+Known Mirrored(const Known& known) {
+  Known mirrored = known;
+  mirrored.own.rotations = gait::Mirrored(known.own.rotations);
+  mirrored.walking = gait::Mirrored(known.walking);
+  mirrored.running = gait::Mirrored(known.running);
+  return mirrored;
+}
+
 Known Neutral::Tell(const Reference& reference) const noexcept {
   Known known;
   known.body_s = seconds_[kBody];

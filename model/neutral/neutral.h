@@ -43,6 +43,9 @@ struct Known {
   friend bool operator==(const Known&, const Known&) = default;
 };
 
+// The same performer with left and right exchanged (body::Mirror). Pure.
+Known Mirrored(const Known& known);
+
 // The performer's neutral: the difference between the carriage of this performer on this rig and
 // that of the performers whom a network knows. It is learned while they stand, walk and run, and is
 // removed from the poses that the network sees. It need not be added again: the change of style is
@@ -94,6 +97,9 @@ class Neutral {
   STYLED_REALTIME void Calibrate(float seconds) noexcept;
   // Clears the learned or calibrated neutral; it fades out, and is learned again.
   STYLED_REALTIME void Forget() noexcept;
+
+  // The following frames are those of the same performer with left and right exchanged.
+  STYLED_REALTIME void Mirror() noexcept;
 
   // The learned neutral, and its use for another network or by another stylist: at once, without a
   // fade.

@@ -45,6 +45,13 @@ void OwnGait::Know(const gait::Series& series, float seconds) noexcept {
   series_ = series;
 }
 
+void OwnGait::Mirror() noexcept {
+  const gait::Terms signs = gait::MirrorSigns();
+  normal_ = (signs.asDiagonal() * normal_ * signs.asDiagonal()).eval();
+  right_ = gait::Mirrored(right_);
+  series_ = gait::Mirrored(series_);
+}
+
 void OwnGait::Carry(Checkpoint& c) noexcept {
   c(normal_, right_, series_, seconds_);
   if (!c.reads() || !c.ok()) return;

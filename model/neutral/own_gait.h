@@ -25,6 +25,8 @@ class OwnGait {
   // Seconds that were learned, at most tuning::kRemembered_s.
   float seconds() const { return seconds_; }
 
+  // Exchanges left and right of what was learned.
+  STYLED_REALTIME void Mirror() noexcept;
   // Begins with a series that was learned earlier, as if from `seconds`.
   STYLED_REALTIME void Know(const gait::Series& series, float seconds) noexcept;
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept;  // see model/base/checkpoint.h

@@ -160,6 +160,30 @@ TEST(TrackerTest, AMirroredWalkIsHalfAStrideApart) {
   }
 }
 
+// From one frame to the next, and back: the gait stays locked.
+TEST(TrackerTest, AWalkThatIsMirroredIsFollowedOn) {
+  const Poses poses = Perform("walk:60", 8);
+  const auto expected = PhasesOf(poses);
+  Follower follower, other;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const bool mirrored = i >= 5 * 60;
+    if (i == 5 * 60) follower.tracker.Mirror();
+    Pose pose = poses[i];
+    if (mirrored) body::Mirror(pose, pose);
+    const Phase& phase = follower.Follow(pose, 1.0F / 60);
+    const Phase& unaware = other.Follow(pose, 1.0F / 60);
+    if (i < 3 * 60) continue;
+    EXPECT_NEAR(Between_rad(phase.phase_rad,
+                            expected[i].phase_rad + (mirrored ? tuning::kTurn_rad / 2 : 0)),
+                0, 2 * kDegree)
+        << i;
+    EXPECT_GT(phase.confidence, 0.9F) << i;
+    if (i == 5 * 60 + 5) {
+      EXPECT_GT(std::abs(Between_rad(unaware.phase_rad, phase.phase_rad)), 30 * kDegree);
+    }
+  }
+}
+
 TEST(TrackerTest, ThePhaseIsTheSameAtEveryRate) {
   for (const char* script : {"walk:60", "run:60"}) {
     const auto expected = PhasesOf(Perform(script, 8, 120), 120);

@@ -84,6 +84,47 @@ TEST(OwnGaits, WithoutAGaitItIsThatOfManyWithTheirCarriage) {
   EXPECT_NEAR(Term(walked.run().series(), 0, body::kLeftLowerArm).norm(), kElbow_rad, 0.05);
 }
 
+// Half a stride later the mirror image shows what the other side showed.
+TEST(OwnGaits, OfAMirroredPerformerTheyAreTheMirrorImage) {
+  const Reference reference = TestReference();
+  Neutral neutral = Followed(OwnWalk(12), reference);
+  const gait::Series before = neutral.walk().series();
+  const Known known = neutral.Tell(reference);
+  neutral.Mirror();
+  const Known mirrored = Mirrored(known);
+  for (const float phase_rad : {0.0F, 0.7F, 2.0F, 4.5F}) {
+    const gait::Terms here = gait::TermsAt(phase_rad),
+                      there = gait::TermsAt(phase_rad + gait::tuning::kTurn_rad / 2);
+    const gait::Vectors expected = before * here;
+    const gait::Vectors got = neutral.walk().series() * there;
+    const gait::Vectors told = mirrored.walking * there, first = known.walking * here;
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      const int other = body::MirrorJoint(joint);
+      const body::Vec3 reflected(1, -1, -1);
+      EXPECT_LT((gait::VectorOf(got, joint) -
+                 body::Vec3(gait::VectorOf(expected, other).cwiseProduct(reflected)))
+                    .norm(),
+                1e-4F)
+          << joint;
+      EXPECT_LT((gait::VectorOf(told, joint) -
+                 body::Vec3(gait::VectorOf(first, other).cwiseProduct(reflected)))
+                    .norm(),
+                1e-4F)
+          << joint;
+    }
+  }
+  // What was learned is mirrored, too: it remains after the curves are found again.
+  EXPECT_NEAR(Term(neutral.walk().series(), 0, body::kRightLowerArm).y(), kElbow_rad, 0.08);
+  std::vector<body::Pose> walk = OwnWalk(20);
+  for (std::size_t i = 12 * 60; i < walk.size(); ++i) {
+    body::Mirror(walk[i], walk[i]);
+    neutral.Follow(walk[i], i == 12 * 60 ? 0 : kDt_s, true, reference);
+  }
+  EXPECT_NEAR(Term(neutral.walk().series(), 0, body::kRightLowerArm).y(), kElbow_rad, 0.08);
+  EXPECT_NEAR(Term(neutral.walk().series(), 0, body::kLeftLowerArm).y(),
+              -Term(before, 0, body::kRightLowerArm).y(), 0.08);
+}
+
 TEST(OwnGaits, AStyledPerformerTeachesNothing) {
   const Reference reference = TestReference();
   const Neutral neutral = Followed(OwnWalk(8), reference, /*learns=*/false);

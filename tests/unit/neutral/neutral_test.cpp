@@ -134,6 +134,51 @@ TEST_F(NeutralTest, ThePoseThatTheNetworkSeesIsTheReferences) {
   EXPECT_LT(worst_rad, 4 * kDegree);
 }
 
+TEST_F(NeutralTest, OfAMirroredPerformerItIsTheMirrorImage) {
+  Follow(Strangers("walk:60", 5));
+  const Pose pose = AsStranger(Perform("walk:60", 1).back());
+  Pose expected, mirrored, got;
+  neutral_.Follow(pose, 0, false, reference_);
+  neutral_.RemoveCarriage(pose, expected);
+  body::Mirror(expected, expected);
+  body::Mirror(pose, mirrored);
+  const Neutral unaware = neutral_;
+  neutral_.Mirror();
+  neutral_.Follow(mirrored, 0, false, reference_);
+  neutral_.RemoveCarriage(mirrored, got);
+  double unaware_rad = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_LT(body::Angle_rad(got.rotations[j], expected.rotations[j]), 1e-4) << j;
+    unaware_rad = std::max(
+        unaware_rad, body::Angle_rad(unaware.turns().rotations[j], neutral_.turns().rotations[j]));
+  }
+  EXPECT_GT(unaware_rad, 5 * kDegree) << "the stranger is not symmetric";
+  EXPECT_EQ(neutral_.body_s(), unaware.body_s());
+}
+
+// The known neutral of a mirrored performer, kept as that of the performer themselves, and known
+// again to either. The reference is symmetric, as those of weights are.
+TEST_F(NeutralTest, WhatIsKnownIsMirroredLikeThePerformer) {
+  for (Carriage* const usual : {&reference_.walking, &reference_.standing, &reference_.running}) {
+    const gait::Rotations other = gait::Mirrored(usual->rotations);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      usual->rotations[j] = usual->rotations[j].slerp(0.5F, other[j]).normalized();
+    }
+  }
+  Follow(Strangers("walk:60", 5));
+  const Known known = neutral_.Tell(reference_);
+  EXPECT_TRUE(Mirrored(Mirrored(known)) == known);
+  neutral_.Mirror();
+  Neutral other;
+  other.Know(Mirrored(known), reference_);
+  EXPECT_EQ(other.body_s(), neutral_.body_s());
+  const Known told = neutral_.Tell(reference_);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_LT(body::Angle_rad(other.Tell(reference_).own.rotations[j], told.own.rotations[j]), 1e-3)
+        << j;
+  }
+}
+
 TEST_F(NeutralTest, IsTheSameWhereverOneWalks) {
   const auto poses = Strangers("walk:60", 5);
   Follow(poses);
