@@ -1,6 +1,7 @@
 #include "daemon/source/face.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -64,7 +65,113 @@ class FieldReader {
   std::size_t at_ = 0;
 };
 
+struct SideWord {
+  std::string_view here, there;
+};
+constexpr auto kSideWords = std::to_array<SideWord>({{"Left", "Right"},
+                                                     {"Right", "Left"},
+                                                     {"left", "right"},
+                                                     {"right", "left"},
+                                                     {"LEFT", "RIGHT"},
+                                                     {"RIGHT", "LEFT"},
+                                                     {"L", "R"},
+                                                     {"R", "L"},
+                                                     {"l", "r"},
+                                                     {"r", "l"}});
+
+constexpr bool IsLower(char c) { return c >= 'a' && c <= 'z'; }
+constexpr bool IsUpper(char c) { return c >= 'A' && c <= 'Z'; }
+constexpr bool IsLetter(char c) { return IsLower(c) || IsUpper(c); }
+constexpr bool IsSeparator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
+
+// The word for a side at a place of a name; null: there is none.
+const SideWord* SideWordAt(std::string_view name, std::size_t at) noexcept {
+  for (const SideWord& word : kSideWords) {
+    if (name.substr(at, word.here.size()) != word.here) continue;
+    const std::size_t end = at + word.here.size();
+    const char before = at > 0 ? name[at - 1] : '_', after = end < name.size() ? name[end] : '_';
+    if (word.here.size() == 1) {
+      const bool alone = IsSeparator(before) && IsSeparator(after) && name.size() > 1;
+      return alone ? &word : nullptr;
+    }
+    // In camel case a capital letter begins a word.
+    const bool begins = (IsUpper(word.here[0]) && IsLower(word.here[1])) || !IsLetter(before);
+    const bool ends = IsUpper(word.here[1]) ? !IsLetter(after) : !IsLower(after);
+    return begins && ends ? &word : nullptr;
+  }
+  return nullptr;
+}
+
+// Calls `sink` with the parts of a name whose sides are exchanged, in order.
+template <typename Sink>
+void ForMirrored(std::string_view name, Sink sink) noexcept {
+  std::size_t from = 0;
+  for (std::size_t at = 0; at < name.size();) {
+    const SideWord* const word = SideWordAt(name, at);
+    if (word == nullptr) {
+      ++at;
+      continue;
+    }
+    sink(name.substr(from, at - from));
+    sink(word->there);
+    at += word->here.size();
+    from = at;
+  }
+  sink(name.substr(from));
+}
+
+// The name of an encoded expression and where its field begins and ends; begin == end: it has none.
+struct NameField {
+  std::size_t begin = 0, end = 0;
+  std::string_view name;
+};
+NameField FindName(std::span<const std::byte> expression) noexcept {
+  std::size_t at = 0, key = 0, size = 0;
+  while (at < expression.size()) {
+    const std::size_t begin = at;
+    if (!ReadVarint(expression, at, key)) break;
+    if (key == kValue && expression.size() - at >= sizeof(float)) {
+      at += sizeof(float);
+      continue;
+    }
+    if (key != kName || !ReadVarint(expression, at, size) || size > expression.size() - at) break;
+    return {begin, at + size, {reinterpret_cast<const char*>(expression.data()) + at, size}};
+  }
+  return {};
+}
+
+void WriteMirrored(std::span<const std::byte> expression, WireWriter& out) noexcept {
+  const NameField field = FindName(expression);
+  std::size_t name = 0;
+  ForMirrored(field.name, [&name](std::string_view part) { name += part.size(); });
+  const std::size_t others = expression.size() - (field.end - field.begin);
+  out.Varint(kExpressionsTag);
+  if (field.begin == field.end) {
+    out.Varint(expression.size());
+    return out.Bytes(expression);
+  }
+  out.Varint(others + 1 + VarintSize(name) + name);
+  out.Bytes(expression.first(field.begin));
+  out.Varint(kName);
+  out.Varint(name);
+  ForMirrored(field.name,
+              [&out](std::string_view part) { out.Bytes(std::as_bytes(std::span(part))); });
+  out.Bytes(expression.subspan(field.end));
+}
+
 }  // namespace
+
+std::size_t MirrorFace(std::span<const std::byte> face, std::span<std::byte> to) noexcept {
+  WireWriter out(to);
+  FieldReader fields(face);
+  std::size_t done = 0;
+  while (fields.Next() && fields.tag == kExpressionsTag) {
+    WriteMirrored(face.subspan(fields.content, fields.size), out);
+    done = fields.content + fields.size;
+  }
+  out.Bytes(face.subspan(done));
+  return out.fits() ? out.size() : 0;
+}
 
 std::span<const std::byte> PassedOn(std::span<const std::byte> face) noexcept {
   FieldReader fields(face);

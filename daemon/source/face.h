@@ -33,6 +33,14 @@ STYLED_REALTIME std::span<const std::byte> PassedOn(std::span<const std::byte> f
 // bytes; 0 if `to` is too small, or the bytes are not such fields.
 STYLED_REALTIME std::size_t RestFace(std::span<const std::byte> face, float by, float closed,
                                      std::span<std::byte> to) noexcept;
+// Writes an encoded face to `to`, which must not overlap it, with left and right exchanged in the
+// names of its expressions: Left and Right in any case as words of their own (eyeBlinkLeft,
+// leftEye, mouth_right), L and R between separators (Blink_L, L-brow). Words that only contain them
+// (bright, Upright) stay, and so do messages that are passed on, and everything after bytes that
+// are not such fields. Returns the number of bytes, or 0 if `to` is too small for all of them: a
+// Right is a byte longer than a Left. Pinned by tests/unit/daemon/source/face_test.cpp.
+STYLED_REALTIME std::size_t MirrorFace(std::span<const std::byte> face,
+                                       std::span<std::byte> to) noexcept;
 // Multiplies the values of an encoded face's expressions; stops at bytes that are not such fields.
 STYLED_REALTIME void ScaleFace(std::span<std::byte> face, float by) noexcept;
 
