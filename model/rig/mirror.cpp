@@ -46,7 +46,7 @@ MirrorMap::MirrorMap(const Binding& binding, const TailMap& tail) {
   const BindingSpec& spec = binding.spec();
   const auto count = static_cast<std::size_t>(binding.skeleton().joint_count());
   left_ = spec.canonical_from_source.conjugate() * Vec3::UnitX();
-  // Axes are exact but for calibrated bodies: a reflection then only changes signs.
+  // A body's axes are mostly its coordinate axes: then a reflection only changes signs.
   if ((left_ - NearestAxis(left_)).norm() < kRounding) left_ = NearestAxis(left_);
 
   pair_.assign(count, -1);
@@ -92,7 +92,7 @@ void MirrorMap::PairByPlace(const Binding& binding) {
   };
   for (int parent = 0; parent < skeleton.joint_count(); ++parent) {
     const int other = pair_[static_cast<std::size_t>(parent)];
-    if (other < parent) continue;  // none, or done with the other one
+    if (other < parent) continue;  // none, or done with its pair
     struct Candidate {
       float apart_m;
       int joint, pair;

@@ -113,7 +113,7 @@ TEST(OwnGaits, OfAMirroredPerformerTheyAreTheMirrorImage) {
           << joint;
     }
   }
-  // What was learned is mirrored, too: it remains after the curves are found again.
+  // The learned sums are mirrored, too: they still hold after the curves are found again.
   EXPECT_NEAR(Term(neutral.walk().series(), 0, body::kRightLowerArm).y(), kElbow_rad, 0.08);
   std::vector<body::Pose> walk = OwnWalk(20);
   for (std::size_t i = 12 * 60; i < walk.size(); ++i) {

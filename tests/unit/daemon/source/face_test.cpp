@@ -146,7 +146,7 @@ TEST(MirrorFace, BytesThatAreNotAFaceAreKept) {
   }
   const Bytes absurd(40, std::byte{0xFF});
   EXPECT_EQ(MirrorOf(absurd), absurd);
-  // An expression whose inside is no message: a name beyond its end.
+  // An expression whose inside is not a message: a name beyond its end.
   const Bytes broken{std::byte{0x92}, std::byte{0x01}, std::byte{3},
                      std::byte{0x0A}, std::byte{9},    std::byte{'L'}};
   EXPECT_EQ(MirrorOf(broken), broken);
