@@ -11,6 +11,11 @@ bool IsFinite(const rig::WristPair& wrists) noexcept {
   });
 }
 
+rig::Hand OtherHand(rig::Hand hand) noexcept {
+  if (hand == rig::Hand::kLeft) return rig::Hand::kRight;
+  return hand == rig::Hand::kRight ? rig::Hand::kLeft : hand;
+}
+
 }  // namespace
 
 CarriedProps::CarriedProps(const BoundBody& body, const config::PropHands& hands)
@@ -18,21 +23,31 @@ CarriedProps::CarriedProps(const BoundBody& body, const config::PropHands& hands
       left_handed_(body.left_handed),
       hands_(hands),
       wrists_(*body.binding),
-      unfiltered_(body.binding->skeleton()) {
+      unfiltered_(body.binding->skeleton()),
+      received_(body.binding->skeleton()) {
   bytes_.reserve(kMaxPropBytes);
 }
 
-std::size_t CarriedProps::Accept(std::span<const std::byte> encoded, bool of_the_scene) noexcept {
+std::size_t CarriedProps::Accept(std::span<const std::byte> encoded, bool of_the_scene,
+                                 const rig::MirrorMap* mirror) noexcept {
   bytes_.assign(encoded.begin(), encoded.end());
   source::ReadProps(bytes_, frame_);
   of_the_scene_ = of_the_scene;
+  mirror_ = mirror;
   is_filtered_ = false;
   for (std::size_t i = 0; i < frame_.count; ++i) {
-    rig::Vec3 position = frame_.props[i].position;
-    rig::Quat rotation = frame_.props[i].rotation;
+    source::Prop& prop = frame_.props[i];
+    rig::Vec3 position = prop.position;
+    rig::Quat rotation = prop.rotation;
     if (left_handed_) {
       position = rig::Mirrored(position);
       rotation = rig::Mirrored(rotation);
+    }
+    if (mirror_ != nullptr) {
+      position = mirror_->Reflected(position);
+      rotation = mirror_->Reflected(rotation);
+      prop.position = left_handed_ ? rig::Mirrored(position) : position;
+      prop.rotation = left_handed_ ? rig::Mirrored(rotation) : rotation;
     }
     carried_[i] = {rig::ToCanonical(*binding_, position, rotation), {}, false};
   }
@@ -41,10 +56,11 @@ std::size_t CarriedProps::Accept(std::span<const std::byte> encoded, bool of_the
 
 void CarriedProps::AcceptUnfiltered(const rig::RigPose& received) noexcept {
   if (empty()) return;
-  std::copy(received.translations.begin(), received.translations.end(),
-            unfiltered_.translations.begin());
-  std::copy(received.rotations.begin(), received.rotations.end(), unfiltered_.rotations.begin());
-  if (left_handed_) rig::Mirror(unfiltered_);
+  rig::RigPose& pose = mirror_ == nullptr ? unfiltered_ : received_;
+  std::copy(received.translations.begin(), received.translations.end(), pose.translations.begin());
+  std::copy(received.rotations.begin(), received.rotations.end(), pose.rotations.begin());
+  if (left_handed_) rig::Mirror(pose);
+  if (mirror_ != nullptr) mirror_->Apply(received_, unfiltered_);
   is_filtered_ = true;
 }
 
@@ -58,8 +74,9 @@ void CarriedProps::Attach(const stylist::Output& out) noexcept {
   if (!is_filtered_) from_ = wrists_.Read(out.source.translations.front(), out.source.rotations);
   for (std::size_t i = 0; i < frame_.count; ++i) {
     const auto named = hands_.find(frame_.props[i].name);
-    carried_[i].grip = rig::GripOf(carried_[i].captured, from_,
-                                   named == hands_.end() ? rig::Hand::kAuto : named->second);
+    const rig::Hand hand = named == hands_.end() ? rig::Hand::kAuto : named->second;
+    carried_[i].grip =
+        rig::GripOf(carried_[i].captured, from_, mirror_ == nullptr ? hand : OtherHand(hand));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "daemon/source/props.h"
 #include "model/base/realtime.h"
 #include "model/rig/grip.h"
+#include "model/rig/mirror.h"
 #include "model/stylist/stylist.h"
 
 namespace styled::pipeline {
@@ -38,9 +39,11 @@ class CarriedProps {
   // `hands`: the holding hand by a prop's name; other props are held by the hand near them.
   CarriedProps(const BoundBody& body, const config::PropHands& hands);
 
-  // Accepts a frame's props. Returns how many were left out (source::ReadProps).
-  STYLED_REALTIME std::size_t Accept(std::span<const std::byte> encoded,
-                                     bool of_the_scene) noexcept;
+  // Accepts a frame's props. Returns how many were left out (source::ReadProps). `mirror`: of the
+  // body, for a performer who is mirrored; the props, their configured hands and the pose of
+  // AcceptUnfiltered are, too, and it must outlive the frame. Null: nothing is mirrored.
+  STYLED_REALTIME std::size_t Accept(std::span<const std::byte> encoded, bool of_the_scene,
+                                     const rig::MirrorMap* mirror = nullptr) noexcept;
   // Call after Accept if the pose is filtered afterwards, with the pose as received. A held prop
   // then follows the filtered hand.
   STYLED_REALTIME void AcceptUnfiltered(const rig::RigPose& received) noexcept;
@@ -88,11 +91,13 @@ class CarriedProps {
   const config::PropHands hands_;
   rig::Wrists wrists_;
   std::vector<std::byte> bytes_;  // memory of the names in frame_
-  source::PropList frame_;        // as received
+  source::PropList frame_;        // as received, or mirrored
   bool of_the_scene_ = false;
   std::array<Carried, kMaxProps> carried_;
+  const rig::MirrorMap* mirror_ = nullptr;
   rig::WristPair from_;       // wrists of the pose with which the props were captured
   rig::RigPose unfiltered_;   // the pose before filtering, if it differs from the stylist's input
+  rig::RigPose received_;     // the same before it is mirrored
   bool is_filtered_ = false;  // unfiltered_ belongs to this frame
 };
 
