@@ -117,6 +117,13 @@ void ChangeFilter::RestartAfterGap(bool fade, double dt_s, const Options& option
   fade_ = under_way + FadeStep(dt_s, options);
 }
 
+void ChangeFilter::Mirror() noexcept {
+  const StyleDelta applied = applied_;
+  for (int joint = 0; joint < kJointCount; ++joint) {
+    applied_.col(joint) = applied.col(body::MirrorJoint(joint)).cwiseProduct(body::Vec3(1, -1, -1));
+  }
+}
+
 void ChangeFilter::Clear() noexcept {
   *this = ChangeFilter();
   fade_ = 0;

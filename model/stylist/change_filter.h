@@ -42,6 +42,8 @@ class ChangeFilter {
   // The same, but a running cross-fade continues. Otherwise the style would never arrive if every
   // frame comes after a gap, e.g. from a rig of 1 Hz.
   STYLED_REALTIME void RestartAfterGap(bool fade, double dt_s, const Options& options) noexcept;
+  // Exchanges left and right of the delta that was applied; a restart must follow.
+  STYLED_REALTIME void Mirror() noexcept;
   // Clears everything; the style is faded in from none.
   STYLED_REALTIME void Clear() noexcept;
   // Ends a switch in progress, for an instant change of style.

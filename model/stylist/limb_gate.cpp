@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "model/base/smooth.h"
 #include "model/stylist/tuning.h"
@@ -113,6 +114,13 @@ PerLimb LimbGate::Unusual(const PerLimb& errors_m, float dt_s) noexcept {
     unusual_m[limb] = errors_m[limb] - (usual_m - tuning::kGateKnown_m);
   }
   return unusual_m;
+}
+
+void LimbGate::Mirror() noexcept {
+  for (PerLimb* const figures : {&usual_m_, &held_m_, &led_, &weights_}) {
+    std::swap((*figures)[Index(Limb::kLeftArm)], (*figures)[Index(Limb::kRightArm)]);
+    std::swap((*figures)[Index(Limb::kLeftLeg)], (*figures)[Index(Limb::kRightLeg)]);
+  }
 }
 
 void LimbGate::Hold(const PerLimb& errors_m, bool first, const net::GateBounds& bounds) noexcept {

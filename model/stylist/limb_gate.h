@@ -67,6 +67,8 @@ class LimbGate {
   STYLED_REALTIME void Follow(const PerLimb& errors_m, float dt_s, bool first,
                               const net::GateBounds& bounds = {}) noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = LimbGate(); }
+  // The following frames are those of the same performer with left and right exchanged.
+  STYLED_REALTIME void Mirror() noexcept;
 
   // 0 .. 1: the share of the style that the limb shows.
   float weight(Limb limb) const { return weights_[static_cast<std::size_t>(limb)]; }

@@ -30,6 +30,15 @@ Quat Collar(const Pose& pose, std::size_t collar) noexcept {
 
 }  // namespace
 
+void PostureKeeper::Mirror() noexcept {
+  static_assert(net::kPostureJoints[4] == body::kLeftShoulder &&
+                net::kPostureJoints[5] == body::kRightShoulder);
+  for (Turns* const turns : {&shown_, &wanted_, &turns_}) {
+    turns->bottomRows<2>() *= -1;
+    turns->col(4).swap(turns->col(5));
+  }
+}
+
 PostureKeeper::Turns PostureKeeper::Wanted(const net::Styles& styles, const Mixer& mixer) noexcept {
   Turns wanted = Turns::Zero();
   const auto add = [&](int style, float weight) {

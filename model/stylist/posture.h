@@ -29,6 +29,8 @@ class PostureKeeper {
   // Adds the posture to a pose that has that change.
   STYLED_REALTIME void Apply(body::Pose& styled) const noexcept;
   STYLED_REALTIME void Reset() noexcept { *this = PostureKeeper(); }
+  // The following frames are those of the same performer with left and right exchanged.
+  STYLED_REALTIME void Mirror() noexcept;
 
   // Whether nothing is added.
   bool none() const { return turns_.isZero(0.0F); }

@@ -198,6 +198,14 @@ void Stylist::Reset() noexcept {
   impl_->fresh_session = true;
 }
 
+void Stylist::Mirror() noexcept {
+  impl_->filter.Mirror();
+  impl_->posture.Mirror();
+  impl_->gate.Mirror();
+  impl_->neutral.Mirror();
+  Reset();
+}
+
 void Stylist::Carry(Checkpoint& c) noexcept {
   Impl& s = *impl_;
   const net::Model& model = s.predictor.network()->model();

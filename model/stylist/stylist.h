@@ -120,6 +120,12 @@ class Stylist {
   // settings, the style weights in effect and the performer's neutral.
   STYLED_REALTIME void Reset() noexcept;
 
+  // The following frames are those of the same performer with left and right exchanged: a Reset in
+  // which everything that is kept is exchanged, too, the change of style that was applied last
+  // included. So the first frame shows the style as its mirror image, and from there it fades to
+  // what the network finds. The settings stay.
+  STYLED_REALTIME void Mirror() noexcept;
+
   // Carries the whole state, settings included (model/base/checkpoint.h), to a stylist of the same
   // network, skeleton and options. Refuses streams of another family, size or list of styles; the
   // caller must detect other weights of the same shape. After a refused reading the stylist must be

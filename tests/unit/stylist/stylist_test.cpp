@@ -514,6 +514,58 @@ TEST_F(StylistTest, AResetBeginsANewSessionWhateverItsClock) {
   EXPECT_FALSE(out.flags & kNewSession);
 }
 
+// The last pose, mirrored, shows the last style, mirrored, and then the style fades to what the
+// network finds: no limb jumps. The other side of the room is not a jump that is held.
+TEST_F(StylistTest, AMirroredPerformerShowsTheirStyleAsItsMirrorImage) {
+  const auto mirrored = [](const rig::RigPose& pose) {
+    rig::RigPose other = pose;
+    other.translations[0] = rig::Mirrored(pose.translations[0]);
+    for (int joint = 0; joint < body::kJointCount; ++joint) {
+      other.rotations[static_cast<std::size_t>(joint)] =
+          rig::Mirrored(pose.rotations[static_cast<std::size_t>(body::MirrorJoint(joint))]);
+    }
+    return other;
+  };
+  for (const bool gated : {false, true}) {
+    options.limb_gate = gated;
+    Stylist stylist(network, binding, options), unaware(network, binding, options);
+    Output other(skeleton);
+    rig::RigPose last(skeleton);
+    for (int frame = 0; frame < 120; ++frame) {
+      last = PoseAt(static_cast<double>(frame) / 120, skeleton);
+      last.translations[0].x() += 3;
+      for (Stylist* const s : {&stylist, &unaware}) {
+        s->Set(Style(2));
+        s->Process(Time(frame), last, s == &stylist ? out : other);
+      }
+    }
+    body::Pose expected;
+    body::Mirror(out.canonical, expected);
+    stylist.Mirror();
+    unaware.Reset();
+    stylist.Process(Time(120), mirrored(last), out);
+    unaware.Process(Time(120), mirrored(last), other);
+    EXPECT_TRUE(out.flags & kNewSession);
+    EXPECT_FALSE(out.flags & kHeld);
+    EXPECT_EQ(out.in_force_count, 1);
+    EXPECT_LT(Apart_rad(out.canonical, expected), 1e-2F) << gated;
+    EXPECT_GT(Apart_rad(other.canonical, expected), 5e-2F) << gated << ": a plain restart";
+    EXPECT_LT((out.canonical.hips_position_m - expected.hips_position_m).norm(), 0.02F) << gated;
+    // From there on nothing jumps.
+    body::Pose before = out.canonical, before_input = out.canonical_input;
+    for (int frame = 121; frame < 240; ++frame) {
+      rig::RigPose pose = PoseAt(static_cast<double>(frame) / 120, skeleton);
+      pose.translations[0].x() += 3;
+      stylist.Process(Time(frame), mirrored(pose), out);
+      EXPECT_LT(Apart_rad(before, out.canonical) - Apart_rad(before_input, out.canonical_input),
+                0.1F)
+          << gated << " " << frame;
+      before = out.canonical;
+      before_input = out.canonical_input;
+    }
+  }
+}
+
 TEST_F(StylistTest, AForeignPoseFadesTheStyleOutAndIsFlagged) {
   options.out_of_domain_begin_rad = 0;  // a random network knows no pose at all
   options.out_of_domain_end_rad = 1e-3F;
