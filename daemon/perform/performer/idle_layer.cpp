@@ -1,6 +1,7 @@
 #include "daemon/perform/performer/idle_layer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "model/base/hash.h"
 #include "model/base/smooth.h"
@@ -35,7 +36,8 @@ IdleLayer::IdleLayer(std::shared_ptr<const rig::Binding> binding, std::string_vi
       idle_(SeedOf(id)),
       last_(binding_->skeleton()),
       left_(last_),
-      shown_(last_) {}
+      shown_(last_),
+      scratch_(last_) {}
 
 void IdleLayer::Advance(std::int64_t elapsed_ns, float amount, bool silent) noexcept {
   const double passed_s =
@@ -100,6 +102,13 @@ bool IdleLayer::ApplySilent(std::int64_t elapsed_ns, float amount, rig::RigPose&
   pose.translations.front() = shown_.translations.front();
   std::ranges::copy(shown_.rotations, pose.rotations.begin());
   return true;
+}
+
+void IdleLayer::Mirror(const rig::MirrorMap& map) noexcept {
+  for (rig::RigPose* const pose : {&last_, &left_, &shown_}) {
+    map.Apply(*pose, scratch_);
+    std::swap(*pose, scratch_);
+  }
 }
 
 void IdleLayer::Carry(Checkpoint& c) noexcept {

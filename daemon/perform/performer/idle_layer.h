@@ -10,6 +10,7 @@
 #include "model/base/realtime.h"
 #include "model/idle/idle.h"
 #include "model/rig/binding.h"
+#include "model/rig/mirror.h"
 
 namespace styled::pipeline {
 
@@ -33,6 +34,8 @@ class IdleLayer {
   // is none, because no frame came with an amount above 0.
   STYLED_REALTIME bool ApplySilent(std::int64_t elapsed_ns, float amount,
                                    rig::RigPose& pose) noexcept;
+  // The poses that are kept change to their mirror images, with the rig's next one.
+  STYLED_REALTIME void Mirror(const rig::MirrorMap& map) noexcept;
   // The face of a silent performer: the share of its last expressions that is left, and how far the
   // lids are closed, 0 .. 1.
   STYLED_REALTIME float FaceKept() const noexcept { return 1 - std::min(amounts_.head, 1.0F); }
@@ -53,8 +56,9 @@ class IdleLayer {
   float step_s_ = 0;
   idle::Idle::Amounts amounts_{0, 0};
   bool has_last_ = false, silent_ = false;
-  float returning_ = 0;               // 1 .. 0: the share of left_ in what is shown
-  rig::RigPose last_, left_, shown_;  // the rig's, without motion; shown at the return; shown now
+  float returning_ = 0;  // 1 .. 0: the share of left_ in what is shown
+  rig::RigPose last_, left_, shown_,
+      scratch_;  // the rig's, without motion; shown at the return; shown now
 };
 
 }  // namespace styled::pipeline

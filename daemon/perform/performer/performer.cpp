@@ -104,7 +104,10 @@ std::optional<KeptNeutral> Performer::TellNeutral() const {
   if (!styling_ || !styling_->stylist().has_neutral()) return profile.neutral;
   // The neutral saved for another body stays until this body has one of its own.
   if (styling_->stylist().neutral().body_s() == 0) return profile.neutral;
-  return KeptNeutral{BindingHash(*binding_.body().binding), styling_->stylist().Tell()};
+  // It is that of the performer as captured, so that it stays right while the look changes.
+  const neutral::Known known = styling_->stylist().Tell();
+  return KeptNeutral{BindingHash(*binding_.body().binding),
+                     mirrored_ ? neutral::Mirrored(known) : known};
 }
 
 void Performer::KeepNeutral() { profile.neutral = TellNeutral(); }
@@ -119,8 +122,12 @@ bool Performer::PopNeutralCalibrated() noexcept {
 
 void Performer::UseBinding(const RuntimeConfig& config) {
   styling_.emplace(binding_.body(), config, counters_);
-  if (profile.neutral && profile.neutral->binding == BindingHash(*binding_.body().binding)) {
-    styling_->stylist().Know(profile.neutral->known);
+  const rig::Binding& binding = *binding_.body().binding;
+  mirror_ = rig::MirrorMap(binding, rig::FindTail(binding.skeleton(), binding.spec().source_joint));
+  mirrored_ = profile.look.mirror();
+  if (profile.neutral && profile.neutral->binding == BindingHash(binding)) {
+    const neutral::Known& known = profile.neutral->known;
+    styling_->stylist().Know(mirrored_ ? neutral::Mirrored(known) : known);
   }
   outputs.Bind(binding_.body(), binding_.given(), config);
   const auto index = static_cast<std::size_t>(source);
@@ -142,6 +149,7 @@ void Performer::Relieve(bool relieved) noexcept {
 }
 
 std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
+  UseMirror();
   unknown_styles_.clear();
   if (styling_) {
     unknown_styles_ = styling_->ApplyLook(profile, config);
@@ -149,6 +157,14 @@ std::vector<std::string> Performer::ApplyLook(const RuntimeConfig& config) {
     (void)Resolve(profile.look, config.network->model().styles, unknown_styles_);
   }
   return unknown_styles_;
+}
+
+// For subscribers a change is a cut, as a new session is: the performer is elsewhere at once.
+void Performer::UseMirror() noexcept {
+  if (std::exchange(mirrored_, profile.look.mirror()) == profile.look.mirror()) return;
+  if (styling_) styling_->Mirror();
+  if (idle_) idle_->Mirror(mirror_);
+  facing_.Reset();
 }
 
 void Performer::Rebuild(const RuntimeConfig& config) {
@@ -189,15 +205,19 @@ runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexce
   const source::SourceFrame& frame = *transit.given;
   if (!binding_.Receive(frame, transit.receive_ns)) return runtime::Counter::kPipelineWrongSize;
   if (!styling_) return runtime::Counter::kPipelineUncalibrated;
-  if (const std::size_t left_out = props_->Accept(frame.props, frame.scene_props); left_out > 0) {
-    counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
-  }
+  const rig::MirrorMap* const mirror = mirrored_ ? &mirror_ : nullptr;
+  const std::size_t left_out = props_->Accept(frame.props, frame.scene_props, mirror);
+  if (left_out > 0) counters_.AddOf(source, runtime::Counter::kPipelinePropsLeftOut, left_out);
   // The hands are moved by the filter and by the body's own motion.
   if (smoothing_.active() || profile.look.idle() > 0) props_->AcceptUnfiltered(binding_.received());
   smoothing_.Apply(binding_.received(), transit.elapsed_ns);
   styling_->SetInput(binding_.received());
   fingers_.Apply(transit.elapsed_ns, styling_->in());
-  face_.assign(transit.face.begin(), transit.face.end());
+  if (mirrored_) {
+    MirrorInput(transit.face);
+  } else {
+    face_.assign(transit.face.begin(), transit.face.end());
+  }
   std::int64_t elapsed_ns = transit.elapsed_ns + ahead_ns_;
   if (std::exchange(sent_idle_, false) && elapsed_ns <= frame_.elapsed_ns) {
     ahead_ns_ += frame_.elapsed_ns + kLeastStep_ns - elapsed_ns;
@@ -214,13 +234,14 @@ runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexce
 
 // The face of another source that is here, or the performer's own, which relaxes and blinks.
 void Performer::RestFace(std::span<const std::byte> merged) noexcept {
-  if (!merged.empty()) {
+  if (!merged.empty() && !mirrored_) {
     resting_face_.assign(merged.begin(), merged.end());
     return;
   }
-  resting_face_.resize(kMaxFace);
-  resting_face_.resize(
-      source::RestFace(face_, idle_->FaceKept(), idle_->EyesClosed(), resting_face_));
+  resting_face_.resize(kMaxFace);  // as much as is reserved
+  resting_face_.resize(!merged.empty() ? source::MirrorFace(merged, resting_face_)
+                                       : source::RestFace(face_, idle_->FaceKept(),
+                                                          idle_->EyesClosed(), resting_face_));
 }
 
 bool Performer::AcceptSilent(const decide::FrameInTransit& transit) noexcept {
@@ -238,6 +259,14 @@ bool Performer::AcceptSilent(const decide::FrameInTransit& transit) noexcept {
   styling_->stylist().SetMeasured(false);
   sent_idle_ = true;
   return true;
+}
+
+// The pose, with the fingers that other sources add, and the face. The props are mirrored already.
+void Performer::MirrorInput(std::span<const std::byte> face) noexcept {
+  mirror_.Apply(styling_->in(), binding_.received());
+  std::swap(styling_->in(), binding_.received());
+  face_.resize(kMaxFace);  // as much as is reserved
+  face_.resize(source::MirrorFace(face, face_));
 }
 
 stylist::Stylist::Job Performer::Style() noexcept { return styling_->MakeJob(frame_.elapsed_ns); }
@@ -261,6 +290,8 @@ void Performer::Finish(std::int64_t publish_ns) noexcept {
   if (frame_.failure != v1::FAILURE_NONE) counters_.Add(CounterOf(frame_.failure));
   frame_.held_joints = static_cast<int>(out.held.count());
   frame_.first_held_joint = static_cast<int>(out.held._Find_first());
+  // The rig's joint is meant, not the one that shows it.
+  if (mirrored_ && out.held.any()) frame_.first_held_joint = mirror_.pair(frame_.first_held_joint);
   frame_.limb_weights = out.limb_weights;
   frame_.limb_errors_m = out.limb_errors_m;
   Serialize();

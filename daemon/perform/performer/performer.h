@@ -22,6 +22,7 @@
 #include "daemon/perform/performer/styling.h"
 #include "daemon/source/source_frame.h"
 #include "model/base/checkpoint.h"
+#include "model/rig/mirror.h"
 #include "model/stylist/stylist.h"
 #include "proto/styled/v1/control.pb.h"
 #include "proto/styled/v1/stats.pb.h"
@@ -120,9 +121,7 @@ class Performer {
   }
   std::int64_t elapsed_ns() const noexcept { return frame_.elapsed_ns; }
   // Whether the body moves by itself while its rig is silent.
-  bool idles() const noexcept {
-    return idle_ && profile.look.idle() > 0 && styling_->has_output();
-  }
+  bool idles() const noexcept { return idle_ && profile.look.idle() > 0 && styling_->has_output(); }
 
   // As Fingers::HandsWithoutPlace, of the bound body.
   std::string HandsWithoutPlace() const { return fingers_.HandsWithoutPlace(); }
@@ -157,6 +156,8 @@ class Performer {
   const rig::JointNames& Names(const RuntimeConfig& config) const;
   STYLED_REALTIME void WatchFacing() noexcept;
   STYLED_REALTIME void RestFace(std::span<const std::byte> merged) noexcept;
+  void UseMirror() noexcept;
+  STYLED_REALTIME void MirrorInput(std::span<const std::byte> face) noexcept;
   STYLED_REALTIME void Serialize() noexcept;
 
   runtime::Counters& counters_;
@@ -171,7 +172,9 @@ class Performer {
   // By how much the stylist's time is ahead of the session's: after a silence the rig's clock may
   // continue before the last frame that was sent meanwhile, and the stylist's must not go back.
   std::int64_t ahead_ns_ = 0;
-  bool sent_idle_ = false;  // the last frame was one of AcceptSilent
+  bool sent_idle_ = false;               // the last frame was one of AcceptSilent
+  rig::MirrorMap mirror_;                // of the bound body
+  bool mirrored_ = false;                // as the look was at the last ApplyLook
   std::vector<std::byte> face_;          // data published beside the pose
   std::vector<std::byte> resting_face_;  // of a frame of AcceptSilent
   bool relieved_ = false;

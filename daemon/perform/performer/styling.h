@@ -39,6 +39,9 @@ class Styling {
   // Resets the recurrent state; the next frame's source time may be anything.
   STYLED_REALTIME void Restart() noexcept { stylist_.Reset(); }
 
+  // The next frames are those of the same performer, left and right exchanged (Stylist::Mirror).
+  STYLED_REALTIME void Mirror() noexcept { stylist_.Mirror(); }
+
   // See model/base/checkpoint.h; the last output is not in it.
   STYLED_REALTIME void Carry(Checkpoint& c) noexcept { stylist_.Carry(c); }
 

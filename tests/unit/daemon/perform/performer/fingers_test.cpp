@@ -196,6 +196,18 @@ TEST_F(MergedFingersTest, ReachAPerformerWhoseRigHasNone) {
   EXPECT_FALSE(pipeline_.StatsOf("rig.a").layers(1).live());
 }
 
+TEST_F(MergedFingersTest, OnAPerformerWhoIsMirroredTheyAreThoseOfTheOtherHand) {
+  v1::Request request;
+  request.set_performer("rig.a");
+  request.mutable_set()->set_mirror(true);
+  ASSERT_EQ(pipeline_.Ask(request).code(), v1::CODE_OK);
+  glove_.Of(kIndex) = Bent(50);
+  GloveBody();
+  Glove100Hz(60);
+  EXPECT_NEAR(Degrees(Last(kIndex), rig::Quat::Identity()), 0, 0.05);
+  EXPECT_NEAR(Degrees(Last(kIndex + rig::kHandTail), rig::Mirrored(Bent(50))), 0, 0.05);
+}
+
 TEST_F(MergedFingersTest, ASourceWithoutFingersIsReportedOnce) {
   glove_ = Glove(rig::TailSet());
   for (int i = 0; i < 5; ++i) {
