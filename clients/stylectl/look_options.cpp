@@ -225,6 +225,11 @@ void AddLookOptions(CLI::App& command, v1::Look& change) {
           "--detail", [&change] { change.set_absolute(false); },
           "keep the performer's own detail (default)")
       ->excludes(command.get_option("--absolute"));
+  command
+      .add_flag_callback(
+          "--no-mirror", [&change] { change.set_mirror(false); },
+          "left and right as captured (default)")
+      ->excludes(command.get_option("--mirror"));
 }
 
 std::string LookOptionNames() {
@@ -234,7 +239,7 @@ std::string LookOptionNames() {
     const std::string all = Names(field);
     names.append(", ").append(all, 0, all.find(','));
   }
-  return names + ", --detail";
+  return names + ", --detail, --no-mirror";
 }
 
 json MixJson(const google::protobuf::RepeatedPtrField<v1::StyleWeight>& mix) {

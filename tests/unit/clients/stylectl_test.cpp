@@ -275,6 +275,13 @@ TEST_F(StylectlTest, SetSendsWhatWasGivenAndNothingElse) {
   EXPECT_TRUE(last_.set().parts().empty());
   EXPECT_FALSE(last_.set().has_root());
 
+  EXPECT_EQ(Run({"set", "rig.anna", "--mirror"}), kExitOk);
+  EXPECT_TRUE(last_.set().mirror());
+  EXPECT_TRUE(Says("mirror on"));
+  EXPECT_EQ(Run({"set", "rig.anna", "--no-mirror"}), kExitOk);
+  EXPECT_TRUE(last_.set().has_mirror());
+  EXPECT_FALSE(last_.set().mirror());
+
   EXPECT_EQ(Run({"set", "rig.anna", "--root", "stride"}), kExitOk);
   EXPECT_EQ(last_.set().root(), v1::ROOT_STRIDE);
   EXPECT_TRUE(Says("root stride"));
@@ -679,6 +686,7 @@ TEST_F(StylectlTest, AWrongCommandLineIsAUsageErrorAndAsksNobody) {
       {"set", "*", "--mix", "old=x"},
       {"set", "*", "--mix", "old=1", "--style", "old"},
       {"set", "*", "--absolute", "--detail"},
+      {"set", "*", "--mirror", "--no-mirror"},
       {"set", "*", "--style", "old", "--transition", "-1"},
       {"set", "*", "--only", "tail"},
       {"set", "*", "--only"},
