@@ -203,6 +203,16 @@ test('a take can be cancelled before and in it', async () => {
   await wears(await own());
 });
 
+test('mirror: on, back, and on the page', async () => {
+  const button = page.locator('[data-mirror]');
+  assert.equal(await button.getAttribute('aria-pressed'), 'false');
+  await button.click();
+  await until(async () => (await look()).mirror, 'the mirror');
+  await until(async () => (await button.getAttribute('aria-pressed')) === 'true', 'the pressed button');
+  await page.keyboard.press('Control+z');
+  await until(async () => !(await look()).mirror, 'no mirror again');
+});
+
 test('a neutral take comes first', async () => {
   await page.keyboard.press('l');
   await form().locator('input[name=style]').fill('difference');

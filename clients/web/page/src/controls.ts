@@ -180,6 +180,13 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
     onclick: () => void app.calibrateNeutral(),
     title: 'The performer stands, then walks, in their own way for 5 s; without it, it is learned while they move',
   }, 'Learn walk');
+  const mirror = h('button', {
+    'data-mirror': '', title: 'Left and right are exchanged, for all who receive this performer (the link for OBS can turn the picture alone)',
+    onclick: () => {
+      const mirrored = !(app.entry()?.look?.mirror ?? false);
+      void app.set({ mirror: mirrored }, mirrored ? 'mirrored' : 'not mirrored');
+    },
+  }, 'Mirror');
   const presetSection = section('Presets', presets);
   presetSection.classList.add('presets');
   let shown = '';
@@ -188,6 +195,8 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
     calibrate.hidden = entry?.neutral === undefined;
     if (entry?.look) strength.show(entry.look.strength ?? 1);
     pin.setAttribute('aria-pressed', String(entry?.pinned ?? false));
+    mirror.hidden = entry?.look?.mirror === undefined; // for a daemon that has none
+    mirror.setAttribute('aria-pressed', String(entry?.look?.mirror ?? false));
     bypass.setAttribute('aria-pressed', String(entry?.look !== undefined && (entry.look.mix.length === 0 || entry.look.strength === 0)));
     for (const button of who.children) {
       button.setAttribute('aria-pressed', String(button.getAttribute('data-who') === String(app.everyone)));
@@ -211,7 +220,7 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
   const watching = h('p', { className: 'hint watching' }, 'For watching only: this gateway refuses changes.');
   const controls = h('fieldset', { className: 'whole' }, style,
     h('section', { className: 'force' }, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
-      h('div', { className: 'row acts' }, bypass, pin, reset, calibrate)),
+      h('div', { className: 'row acts' }, bypass, pin, mirror, reset, calibrate)),
     byHand, variation(app), cues, presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;

@@ -48,7 +48,7 @@ export function share(app: App, stage: Stage, token: string | undefined): Dialog
   const framing = h('select', { name: 'framing' },
     ...[['', 'Full body'], ['half', 'Half: from the hips'], ['bust', 'Bust: head and shoulders']].map(([value, words]) => h('option', { value }, words)));
   const mirror = h('input', { type: 'checkbox', name: 'mirror' });
-  const picture = h('div', { className: 'picture' }, h('label', {}, 'Framing', framing), h('label', {}, mirror, ' mirrored'));
+  const picture = h('div', { className: 'picture' }, h('label', {}, 'Framing', framing), h('label', {}, mirror, ' picture mirrored'));
   const risk = h('p', { className: 'warn', hidden: !token },
     'These links contain the token. Anyone who has one can do everything that you can do here. Do not show it on air; ' +
     'OBS writes them into its scene file. For viewers run a second styleweb with --watch-only and a token of its own.');

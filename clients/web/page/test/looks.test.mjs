@@ -13,7 +13,7 @@ const look = (fields = {}) => create(LookSchema, {
 test('looks are the same whatever their fades are', () => {
   assert.ok(sameLook(look(), look({ transitionMs: 5 })));
   for (const fields of [{ mix: [] }, { strength: 1 }, { absolute: true }, { parts: [BodyPart.HEAD] }, { root: Root.STRIDE }, { inputStyle: 'sad' },
-                        { vary: 7 }, { varyEach: true }, { varyAmount: 0.5 }, { driftS: 5 }]) {
+                        { vary: 7 }, { varyEach: true }, { varyAmount: 0.5 }, { driftS: 5 }, { mirror: true }]) {
     assert.ok(!sameLook(look(), look(fields)), JSON.stringify(fields));
   }
 });
