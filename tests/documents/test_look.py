@@ -9,7 +9,8 @@ import unittest
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 
 # Unity's Control sets a style, its strength and its fade, or clears them. A new field is added to Control.cs or here.
-UNITY_LEAVES_OUT = {'absolute', 'parts', 'input_style', 'preset', 'root', 'vary', 'vary_each', 'vary_amount', 'drift_s'}
+UNITY_LEAVES_OUT = {'absolute', 'parts', 'input_style', 'preset', 'root', 'vary', 'vary_each', 'vary_amount', 'drift_s',
+                    'mirror', 'idle'}
 
 
 def read(*path):

@@ -191,6 +191,7 @@ Report PlayVaried() {
     request.mutable_set()->set_vary(static_cast<float>(i % 100));
     request.mutable_set()->set_vary_each(i % 60 == 30);
     request.mutable_set()->set_drift_s(i % 90 < 45 ? 0.5F : 0.0F);
+    request.mutable_set()->set_mirror(i % 30 == 10);
     if (i % 15 == 10) EXPECT_EQ(control.Ask(request).code(), v1::CODE_OK);
     for (auto& rig : rigs) link.Send(rig.Frame());
   });

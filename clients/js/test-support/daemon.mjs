@@ -34,7 +34,7 @@ function walk(performer, output, i, fields) {
 }
 
 const newLook = () => create(LookSchema, {
-  mix: [], strength: 1, transitionMs: 100, absolute: false, parts: [0], inputStyle: '', preset: '', root: 0, vary: 0, varyEach: false, varyAmount: 1, driftS: 0,
+  mix: [], strength: 1, transitionMs: 100, absolute: false, parts: [0], inputStyle: '', preset: '', root: 0, vary: 0, varyEach: false, varyAmount: 1, driftS: 0, mirror: false, idle: 0,
 });
 
 export class Daemon {

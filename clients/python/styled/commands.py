@@ -203,7 +203,8 @@ class Commands:
         `input_style` (the performer's own style, which is removed), `root` ('follow', or 'stride': the
         path over the floor at the style's speed), `vary` (the variation of the style, 1 to 99; 0: the
         style itself), vary_each (a different one per performer), vary_amount, drift_s (the variation
-        changes slowly: seconds from one to the next; 0: constant)."""
+        changes slowly: seconds from one to the next; 0: constant), `mirror` (left and right are
+        exchanged)."""
         return self._ask(_set_request(performer, style, mix, fields), _applied)
 
     def clear(self, performer: str = EVERYONE) -> Applied:

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
       r.mutable_set()->set_vary_each(true);
       r.mutable_set()->set_vary_amount(0.5F);
       r.mutable_set()->set_drift_s(5);
+      r.mutable_set()->set_mirror(true);
     });
     add(performer, [](Request& r) { r.mutable_set()->set_clear(true); });
     add(performer, [](Request& r) { r.mutable_preset()->set_name("both"); });

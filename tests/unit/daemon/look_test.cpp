@@ -38,6 +38,8 @@ v1::Look Changed() {
   look.set_vary_each(true);
   look.set_vary_amount(0.5F);
   look.set_drift_s(5);
+  look.set_mirror(true);
+  look.set_idle(0.5F);
   return look;
 }
 
@@ -144,6 +146,9 @@ TEST(LookTest, AValueOutOfRangeIsNamed) {
   EXPECT_EQ(CheckLook(change).message(), "drift_s is 601, expected 0 to 600");
   change.set_drift_s(-1);
   EXPECT_EQ(CheckLook(change).message(), "drift_s is -1, expected 0 to 600");
+  change.set_drift_s(600);
+  change.set_idle(1.6F);
+  EXPECT_EQ(CheckLook(change).message(), "idle is 1.6, expected 0 to 1.5");
   change.Clear();
   for (int i = 0; i < 5; ++i) change.add_mix();
   EXPECT_EQ(CheckLook(change).message(), "mix has 5 styles, expected at most 4");
@@ -179,6 +184,8 @@ TEST(LookTest, TheBytesOfEarlierClientsMeanTheSame) {
   expected.clear_vary_each();
   expected.clear_vary_amount();
   expected.clear_drift_s();
+  expected.clear_mirror();
+  expected.clear_idle();
   EXPECT_TRUE(Equal(look, expected));
   ASSERT_TRUE(look.ParseFromString("\x28\x01"s));
   EXPECT_TRUE(look.clear());

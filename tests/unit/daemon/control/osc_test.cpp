@@ -83,6 +83,8 @@ TEST_F(OscTest, EveryAddressIsTheRequestOfItsName) {
   EXPECT_TRUE(Read("/styled/rig.a/vary_each", "i", 1).value().set().vary_each());
   EXPECT_EQ(Read("/styled/rig.a/amount", "f", 0.5).value().set().vary_amount(), 0.5F);
   EXPECT_EQ(Read("/styled/rig.a/drift", "f", 5.0).value().set().drift_s(), 5);
+  EXPECT_TRUE(Read("/styled/rig.a/mirror", "i", 1).value().set().mirror());
+  EXPECT_FALSE(Read("/styled/rig.a/mirror", "f", 0.0).value().set().mirror());
   EXPECT_TRUE(Read("/styled/rig.a/pin", "i", 1).value().pin().pinned());
   EXPECT_FALSE(Read("/styled/rig.a/pin", "f", 0.0).value().pin().pinned());
   EXPECT_TRUE(Read("/styled/rig.a/clear").value().set().clear());

@@ -53,6 +53,7 @@ const Changes& AllChanges() {
       {"vary", [](v1::Look& look) { look.set_vary(7); }},
       {"vary each", [](v1::Look& look) { look.set_vary_each(true); }},
       {"drift", [](v1::Look& look) { look.set_drift_s(5); }},
+      {"mirror", [](v1::Look& look) { look.set_mirror(true); }},
       {"strength 1.5", [](v1::Look& look) { look.set_strength(1.5F); }},
       {"strength 0", [](v1::Look& look) { look.set_strength(0); }},
       {"parts", [](v1::Look& look) { look.add_parts(v1::BODY_PART_HEAD); }},
