@@ -187,6 +187,13 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
       void app.set({ mirror: mirrored }, mirrored ? 'mirrored' : 'not mirrored');
     },
   }, 'Mirror');
+  const idle = h('button', {
+    'data-idle': '', title: 'The body breathes, sways and blinks by itself, also while the rig is silent',
+    onclick: () => {
+      const on = (app.entry()?.look?.idle ?? 0) === 0;
+      void app.set({ idle: on ? 1 : 0 }, on ? 'moves by itself' : 'moves only with the rig');
+    },
+  }, 'Breathe');
   const presetSection = section('Presets', presets);
   presetSection.classList.add('presets');
   let shown = '';
@@ -197,6 +204,8 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
     pin.setAttribute('aria-pressed', String(entry?.pinned ?? false));
     mirror.hidden = entry?.look?.mirror === undefined; // for a daemon that has none
     mirror.setAttribute('aria-pressed', String(entry?.look?.mirror ?? false));
+    idle.hidden = entry?.look?.idle === undefined;
+    idle.setAttribute('aria-pressed', String((entry?.look?.idle ?? 0) > 0));
     bypass.setAttribute('aria-pressed', String(entry?.look !== undefined && (entry.look.mix.length === 0 || entry.look.strength === 0)));
     for (const button of who.children) {
       button.setAttribute('aria-pressed', String(button.getAttribute('data-who') === String(app.everyone)));
@@ -220,7 +229,7 @@ export function controls(app: App, cards: Cards, cues: HTMLElement, byHand: HTML
   const watching = h('p', { className: 'hint watching' }, 'For watching only: this gateway refuses changes.');
   const controls = h('fieldset', { className: 'whole' }, style,
     h('section', { className: 'force' }, h('div', { className: 'twin' }, strength.element, transition.element), rootSwitch(app),
-      h('div', { className: 'row acts' }, bypass, pin, mirror, reset, calibrate)),
+      h('div', { className: 'row acts' }, bypass, pin, mirror, idle, reset, calibrate)),
     byHand, variation(app), cues, presetSection, two);
   app.watch(() => {
     watching.hidden = !app.watchOnly;
