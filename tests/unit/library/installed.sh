@@ -26,7 +26,7 @@ find_package(libstyled 0.1 REQUIRED)
 add_executable(clips $3/model/library/example.cpp)
 target_link_libraries(clips PRIVATE libstyled::libstyled)
 TEXT
-"$1" -S "$work/by-cmake" -B "$work/by-cmake/build" -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$2" >/dev/null
+"$1" -G Ninja -S "$work/by-cmake" -B "$work/by-cmake/build" -DCMAKE_PREFIX_PATH="$work/usr" -DCMAKE_CXX_COMPILER="$2" >/dev/null
 "$1" --build "$work/by-cmake/build" >/dev/null
 "$work/by-cmake/build/clips" "$clip" zombie "$work/two.bvh"
 [ ! -f "$work/one.bvh" ] || cmp "$work/one.bvh" "$work/two.bvh"
