@@ -9,10 +9,10 @@
 namespace styled::rig {
 namespace {
 
-// On a body of the canonical size. A joint's reflected place is its pair's up to the difference
-// between the sides of a measured body. Joints of one parent may be as near to each other (a face,
-// locks of hair), so that the nearest is taken first.
-constexpr float kSamePlace_m = 0.02F;
+// On a body of the canonical size, relative to the parent. The sides of measured bodies differ: a
+// shoulder of Xia's clips is 17 mm from the other one's reflection. Joints of one parent may be as
+// near to each other (a face, locks of hair), so that the nearest is taken first.
+constexpr float kSamePlace_m = 0.03F;
 // Left of the skeleton's axes, and the hips' way from joint 0: what is smaller is rounding.
 constexpr float kRounding = 1e-5F;
 
@@ -62,6 +62,7 @@ MirrorMap::MirrorMap(const Binding& binding, const TailMap& tail) {
     pair(own[static_cast<std::size_t>(t)], own[static_cast<std::size_t>(TailPair(t))]);
   }
   if (pair_[0] < 0) pair_[0] = 0;
+  PairAbove(binding.skeleton());
   PairByPlace(binding);
 
   for (int joint = 0; joint < binding.skeleton().joint_count(); ++joint)
@@ -77,6 +78,32 @@ MirrorMap::MirrorMap(const Binding& binding, const TailMap& tail) {
   }
   if (in_plane) to_hips_.clear();
   std::reverse(to_hips_.begin(), to_hips_.end());
+}
+
+// Of a pair whose ways up have as many joints without a pair: those. Helper joints often lie at the
+// place of their parent, where their place says nothing.
+void MirrorMap::PairAbove(const Skeleton& skeleton) {
+  const auto unpaired_above = [&](int joint) {
+    std::vector<int> way;
+    for (int up = skeleton.parents[static_cast<std::size_t>(joint)]; up >= 0 && pair(up) < 0;
+         up = skeleton.parents[static_cast<std::size_t>(up)]) {
+      way.push_back(up);
+    }
+    return way;
+  };
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    if (pair(joint) <= joint) continue;  // none, on the middle line, or done with its pair
+    std::vector<int> here = unpaired_above(joint), there = unpaired_above(pair(joint));
+    while (!here.empty() && !there.empty() && here.back() == there.back()) {
+      here.pop_back();
+      there.pop_back();
+    }
+    if (here.size() != there.size()) continue;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      pair_[static_cast<std::size_t>(here[i])] = there[i];
+      pair_[static_cast<std::size_t>(there[i])] = here[i];
+    }
+  }
 }
 
 // Parents come before their children, so each pair's children are paired after the pair itself.

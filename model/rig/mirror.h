@@ -16,10 +16,11 @@ namespace styled::rig {
 // parents a and b of j and p, the local rotation is R_a^-1 N R_b l_p R_p^-1 N^-1 R_j. Only local
 // rotations are used, so that a joint that is not tracked (NaN) makes no joint NaN but its pair.
 //
-// Pairs are, in this order: canonical joints (body::MirrorJoint), fingers, eyes and jaw, and, among
-// the children of a pair, joints at each other's reflected place in the T-pose. A joint without a
-// pair has the T-pose's rotation relative to its parent. If the ways up from j and p differ, e.g.
-// by a twist joint on one side, the joints between are composed.
+// Pairs are, in this order: canonical joints (body::MirrorJoint), fingers, eyes and jaw; joints
+// above such a pair, if both ways up have as many; and, among the children of a pair, joints at
+// each other's reflected place in the T-pose. A joint without a pair has the T-pose's rotation
+// relative to its parent. If the ways up from j and p differ, e.g. by a twist joint on one side,
+// the joints between are composed.
 //
 // Binding::Bind of the mirrored pose is body::Mirror of the bound pose, in every joint that both
 // sides have. Mirroring twice gives the pose back if every joint has a pair. Signs of quaternions
@@ -55,6 +56,7 @@ class MirrorMap {
     // above the joint itself, which do not change with it.
     Range above_from, above;
   };
+  void PairAbove(const Skeleton& skeleton);
   void PairByPlace(const Binding& binding);
   Link LinkOf(const Binding& binding, int joint);
   Range PathBelow(const Skeleton& skeleton, int top, int joint);

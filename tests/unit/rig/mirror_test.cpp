@@ -268,6 +268,27 @@ TEST(MirrorMap, AJointElsewhereIsNoPairAndTheNearestIsTaken) {
   EXPECT_EQ(map.pair(tie), tie);
 }
 
+// As in CMU's skeletons: both legs and the back hang from joints at the place of the hips.
+TEST(MirrorMap, HelpersAtThePlaceOfTheirParentArePairedByTheLimbsBelowThem) {
+  BindingSpec spec;
+  int left = -1, right = -1, back = -1;
+  for (int c = 0; c < kJointCount; ++c) {
+    int parent = c == 0 ? -1 : spec.source_joint[kHumanoid[c].parent];
+    if (c == body::kSpine) parent = back = AddJoint(spec, "back", parent, Vec3::Zero());
+    if (c == body::kLeftUpperLeg) parent = left = AddJoint(spec, "left", parent, Vec3::Zero());
+    if (c == body::kRightUpperLeg) parent = right = AddJoint(spec, "right", parent, Vec3::Zero());
+    spec.source_joint[c] = AddJoint(spec, std::string(kHumanoid[c].name), parent, body::Offset(c));
+  }
+  const Binding binding = Binding::Make(spec).value();
+  const MirrorMap map = MapOf(binding);
+  EXPECT_EQ(map.pair(left), right);
+  EXPECT_EQ(map.pair(right), left);
+  EXPECT_EQ(map.pair(back), back);
+  Random random(12);
+  ExpectTheCanonicalMirror(binding, random);
+  ExpectTwiceIsOnce(binding, random);
+}
+
 // The left lower arm hangs from a twist joint, the right one from the upper arm itself.
 TEST(MirrorMap, AJointOnOneSideAloneIsComposed) {
   body::WorldPose rest;
