@@ -526,7 +526,7 @@ TEST_F(StylistTest, AMirroredPerformerShowsTheirStyleAsItsMirrorImage) {
     }
     return other;
   };
-  // Feet that are held begin anew, as where a performer jumps.
+  // Feet that are held start again, as where a performer jumps.
   options.feet = false;
   for (const bool gated : {false, true}) {
     options.limb_gate = gated;

@@ -1,4 +1,4 @@
-// A performer who is mirrored: everything that leaves is the mirror image of what comes in.
+// A performer who is mirrored: everything that leaves is the mirror image of the data that arrives.
 #include "model/rig/mirror.h"
 
 #include <gtest/gtest.h>
@@ -271,7 +271,7 @@ TEST(Mirror, OffIsBitForBitAsIfItHadNeverBeenOn) {
 }
 
 // The performer is five metres elsewhere at once; that is a cut, and not a jump that is held. Feet
-// that are held begin anew, so that they are left out here.
+// that are held start again, so that they are left out here.
 TEST(Mirror, SwitchingItIsACutInWhichNoFrameIsHeldAndNoStyleIsLost) {
   auto config = MakeConfig();
   config->stylist.feet = false;
