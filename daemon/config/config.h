@@ -65,8 +65,8 @@ struct Source {
   // Some of kMergedParts; empty: the face.
   std::vector<std::string> parts = {};
   // For a source of a face alone: "standing" or "seated", its performer's body, whose head and eyes
-  // follow the face; "none": the face goes to a performer of another source; "auto": none if another
-  // source has performers, else standing.
+  // follow the face; "none": the face goes to a performer of another source; "auto": none if
+  // another source has performers, else standing.
   std::string body = "auto";
   std::string expressions = "arkit";  // names that are sent: "arkit", or "vrm" for VRM's presets
   PropHands props = {};               // props without an entry: rig::Hand::kAuto

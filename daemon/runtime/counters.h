@@ -68,8 +68,8 @@ enum class Counter : std::uint8_t {
   kPipelineLate,        // frames published with FLAG_LATE
   kPipelineBacklogDropped,  // frames skipped because a newer one was waiting
   kPipelineStale,           // performers that fell silent: a frame published with FLAG_STALE
-  kPipelineIdle,            // frames of bodies that moved by themselves while their rigs were silent
-  kPipelinePerformers,      // the current number
+  kPipelineIdle,        // frames of bodies that moved by themselves while their rigs were silent
+  kPipelinePerformers,  // the current number
   kPipelinePerformersRefused,
   kPipelineForgotten,
   kPipelineNamesReplaced,  // stored settings dropped because a new performer arrived at a full

@@ -82,7 +82,7 @@ struct Stylist::Impl {
   double dt_s = 0;        // time between the frame before and this one
   double last_gap_s = 0;  // dt_s of the frame before if it exceeded gap_reset_s, else 0
   bool started = false, fresh_session = true;
-  bool rests = false;  // see Stylist::Rest
+  bool rests = false;    // see Stylist::Rest
   bool measured = true;  // see Stylist::SetMeasured
   // The prediction or output that was not sound, until the next step.
   Failure failure = Failure::kNone;

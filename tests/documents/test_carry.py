@@ -22,7 +22,7 @@ NOT_CARRIED = {
     # The skeleton's rest pose.
     'model/stylist/input_guard.h InputGuard': ['rest_'],
     # Skeleton and options; this frame's pose; the humanoid's offsets; Rest is the caller's to say.
-    'model/stylist/stylist_impl.h Impl': ['binding', 'options', 'seen', 'offsets_in', 'offsets_out', 'rests'],
+    'model/stylist/stylist_impl.h Impl': ['binding', 'options', 'seen', 'offsets_in', 'offsets_out', 'rests', 'measured'],
 }
 # A class whose state is carried by another class: FILE CLASS, and that Carry's file and class.
 CARRIED_BY = {'model/stylist/stylist_impl.h Impl': ('model/stylist/stylist.cpp', 'Stylist'),
