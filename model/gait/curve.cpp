@@ -44,7 +44,7 @@ Rotations Mirrored(const Rotations& rotations) noexcept {
 Terms MirrorSigns() noexcept {
   Terms signs;
   signs[0] = 1;
-  for (int k = 1; k <= kHarmonics; ++k) signs[k] = signs[kHarmonics + k] = k % 2 == 0 ? 1 : -1;
+  for (int k = 1; k <= kHarmonics; ++k) signs[k] = signs[kHarmonics + k] = (k % 2 == 0 ? 1 : -1);
   return signs;
 }
 
