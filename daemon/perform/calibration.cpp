@@ -19,11 +19,12 @@ Result<Performer*> Calibrate(const v1::Request& request,
     return Refused(v1::CODE_OUT_OF_RANGE,
                    "calibrate: expected a pose of 0 or 1, sensors of 0 to 2");
   }
-  source::Transport* const transport =
-      calibrate.neutral() ? nullptr : transports[static_cast<std::size_t>(performer->source)].get();
-  if (transport == nullptr) {
+  const auto place = static_cast<std::size_t>(performer->source);
+  source::Transport* const transport =  // null: a pipeline without sockets
+      place < transports.size() ? transports[place].get() : nullptr;
+  if (calibrate.neutral()) {
     if (Status status = performer->CalibrateNeutral(calibrate); !status.ok()) return status;
-  } else if (transport->has_sensors()) {
+  } else if (transport != nullptr && transport->has_sensors()) {
     const Status status =
         transport->Calibrate(static_cast<source::Calibration>(calibrate.sensors()), now_ns);
     if (!status.ok()) return Refused(v1::CODE_NOT_READY, status.message());
