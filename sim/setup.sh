@@ -16,13 +16,13 @@ styled_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 styled_packages_run=(g++ cmake ninja-build pkg-config libeigen3-dev "libboost-dev>=1.81|libboost1.81-dev" libzmq3-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libspdlog-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libsimdjson-dev libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev
-  libusb-1.0-0-dev libsodium-dev libmeshoptimizer-dev libpugixml-dev libnats-dev scdoc)
+  libusb-1.0-0-dev libsodium-dev libmeshoptimizer-dev libpugixml-dev libnats-dev libavahi-client-dev scdoc)
 styled_packages_test=("${styled_packages_run[@]}" git libgtest-dev libgmock-dev libbenchmark-dev
   "clang-format-16?" "clang-tidy-16?" xz-utils procps liblo-dev liblo-tools liboscpack-dev lz4 zstd zlib1g-dev
   python3 python3-zmq python3-protobuf python3-numpy python3-setuptools python3-wheel python3-venv mono-mcs
   "python3-nbclient?" "python3-ipykernel?" "python3-matplotlib?" mono-runtime libumockdev-dev umockdev "chromium?"
   libfaketime apt-utils gnupg nats-server openssl
-  linuxptp iproute2 qemu-user "mold?")
+  linuxptp iproute2 qemu-user avahi-daemon dbus-daemon "mold?")
 styled_packages_sites=("${styled_packages_run[@]}" nats-server)
 styled_packages_package=("${styled_packages_run[@]}" dpkg-dev file apt-utils gnupg python3)
 styled_packages_release=("${styled_packages_package[@]}" zstd mmdebstrap umoci)

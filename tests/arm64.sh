@@ -26,7 +26,7 @@ tools=(ca-certificates crossbuild-essential-arm64 g++-arm-linux-gnueabihf g++-s3
   pkg-config protobuf-compiler qemu-user python3 scdoc libeigen3-dev nlohmann-json3-dev libcli11-dev)
 libraries=(libboost1.81-dev libzmq3-dev cppzmq-dev libprotobuf-dev libspdlog-dev libtomlplusplus-dev libsimdjson-dev
   libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev libusb-1.0-0-dev libmeshoptimizer-dev libpugixml-dev
-  libnats-dev libgtest-dev libgmock-dev liblo-dev liboscpack-dev zlib1g-dev)
+  libnats-dev libavahi-client-dev libgtest-dev libgmock-dev liblo-dev liboscpack-dev zlib1g-dev)
 
 if [ ! -e "$chroot/etc/debian_version" ]; then
   echo "debootstrap, in $chroot"
