@@ -130,5 +130,5 @@ _styled_complete() {
   fi
 }
 
-complete -F _styled_complete styled stylectl stylemon stylesim stylerec stylevmc stylenats styleweb \
+complete -F _styled_complete styled stylectl stylemon stylesim stylerec stylevmc stylenats styleoscquery styleweb \
   stylize styletrain styleeval styleunseen stylerefine

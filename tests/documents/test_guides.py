@@ -7,8 +7,8 @@ import unittest
 
 from test_operating import ROOT, counters, read
 
-PROGRAMS = ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'stylenats', 'styleweb',
-            'stylize')
+PROGRAMS = ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'stylenats',
+            'styleoscquery', 'styleweb', 'stylize')
 GROUPS = ('source', 'usb', 'pipeline', 'stylist', 'publish', 'control', 'security', 'config', 'state', 'record')
 README_LINES = 110
 CODE = re.compile(r'`([^`\n]+)`')

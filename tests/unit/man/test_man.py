@@ -12,7 +12,7 @@ BIN, MAN = os.environ['STYLED_BIN'], os.environ['STYLED_MAN']
 COMPLETION = os.path.join(os.environ['STYLED_ROOT'], 'clients', 'man', 'styled.bash')
 # Those for users; the others there are tests and their tools.
 PROGRAMS = [name for name in ('styled', 'stylectl', 'stylemon', 'stylesim', 'stylerec', 'stylevmc', 'stylenats',
-                              'styleweb', 'stylize', 'styletrain', 'styleeval', 'styleunseen', 'stylerefine')
+                              'styleoscquery', 'styleweb', 'stylize', 'styletrain', 'styleeval', 'styleunseen', 'stylerefine')
             if os.path.exists(os.path.join(BIN, name))]
 
 
