@@ -79,8 +79,10 @@ package(tools styled-tools video "control, monitor and simulate a styled daemon"
 "stylectl controls a styled daemon and finds out why nothing arrives, stylemon
 shows its performers in a terminal, stylerec records, plays back and exports,
 stylevmc forwards to applications that speak VMC, stylenats to NATS servers,
+styleoscquery lets VRChat and VMC programs find the daemon in the network,
 stylesim stands in for a rig, stylize restyles BVH files."
-  RECOMMENDS "styled (= ${PROJECT_VERSION})")
+  RECOMMENDS "styled (= ${PROJECT_VERSION})"
+  SUGGESTS avahi-daemon)
 package(web styled-web video "gateway and viewer of a styled daemon for browsers"
 "styleweb shows what a styled daemon does in browsers and lets them control it,
 and serves its metrics to Prometheus."

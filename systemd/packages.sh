@@ -27,7 +27,7 @@ if [ -n "${DEBEMAIL:-}" ]; then
 fi
 cmake -S "$root" --preset release -B "$build" -DCMAKE_INSTALL_PREFIX=/usr \
   -DSTYLED_UNITY=ON -DSTYLED_TRAIN=$train -DSTYLED_TESTS=OFF "$@" >"$build-cmake.log" 2>&1 || { tail -n 40 "$build-cmake.log" >&2; exit 1; }
-targets=(styled stylectl stylemon stylesim stylerec stylevmc stylenats styleweb stylize styled_client styled_python styled_blender styled_man)
+targets=(styled stylectl stylemon stylesim stylerec stylevmc stylenats styleoscquery styleweb stylize styled_client styled_python styled_blender styled_man)
 [ $train = OFF ] || targets+=(styletrain styleeval styleunseen stylerefine styleacts stylestrip)
 if grep -q '^set(CPACK_COMPONENTS_ALL.*library' "$build/CPackConfig.cmake"; then targets+=(styled_library); fi
 [ -n "$(command -v npm)" ] && targets+=(styleweb_page)
