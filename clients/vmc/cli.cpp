@@ -9,6 +9,7 @@
 
 #include "clients/cpp/key_options.h"
 #include "clients/cpp/reach.h"
+#include "clients/vmc/find_target.h"
 #include "clients/vmc/forwarder.h"
 #include "model/base/version.h"
 
@@ -21,7 +22,7 @@ using std::chrono::milliseconds;
 struct Arguments {
   Options options;
   client::KeyOptions keys;
-  std::vector<std::string> to;
+  std::vector<std::string> to, find;
   std::string root = "hips", as = "vmc", trackers = "hip,feet";
   double user_height_m = 0;
   double statistics_s = 10, seconds = 0;
@@ -33,8 +34,11 @@ void Declare(CLI::App& app, Arguments& a) {
          "--to", a.to,
          "address of an application that listens for VMC, [PERFORMER=]HOST:PORT; may be repeated, "
          "usual port: 39539")
-      ->allow_extra_args(false)
-      ->required();
+      ->allow_extra_args(false);
+  app.add_option("--find", a.find,
+                 "the same, found in the network by its name or the beginning of it, "
+                 "[PERFORMER=]NAME, at the start; styleoscquery --list prints the names")
+      ->allow_extra_args(false);
   app.add_option("--performer", a.options.performer,
                  "SOURCE.NAME, for targets without one; default: the first one seen, another "
                  "once that one was silent for 5 s")
@@ -80,6 +84,7 @@ void Declare(CLI::App& app, Arguments& a) {
       "  stylevmc --to 127.0.0.1:39539\n"
       "  stylevmc --to 192.168.1.20:39539 --to [fd00::5]:39540 --performer stage.anna\n"
       "  stylevmc --to 127.0.0.1:9000 --as vrchat --user-height 1.7\n"
+      "  stylevmc --find VRChat --as vrchat --user-height 1.7\n"
       "  stylevmc --to stage.anna=127.0.0.1:39539 --to stage.ben=127.0.0.1:39540 --rate 60");
 }
 
@@ -232,6 +237,9 @@ int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::
   const auto trackers = ParseTrackerSet(a.trackers);
   if (!trackers.ok()) return fail(trackers.status().message(), kExitUsage);
   if (a.as == "vrchat") a.options.vrchat = {trackers.value(), a.user_height_m};
+  if (a.to.empty() && a.find.empty()) {
+    return fail("no target; expected --to HOST:PORT or --find NAME", kExitUsage);
+  }
   for (const std::string& text : a.to) {
     auto target = ParseTarget(text);
     if (!target.ok()) return fail(target.status().message(), kExitUsage);
@@ -240,6 +248,9 @@ int Run(std::vector<std::string> arguments, const std::atomic<bool>& stop, std::
   auto curve = client::ReadKeys(a.keys);
   if (!curve.ok()) return fail(curve.status().message(), kExitUsage);
   a.options.curve = std::move(curve.value());
+  auto found = FindTargets(a.find, a.options.vrchat.has_value());
+  if (!found.ok()) return fail(found.status().message(), kExitFailed);
+  for (TargetSpec& target : found.value()) a.options.targets.push_back(std::move(target));
   auto forwarder = Forwarder::Open(a.options);
   if (!forwarder.ok()) return fail(forwarder.status().message(), kExitFailed);
   return Forward(a, *forwarder.value(), stop, out, err);

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
 #include <sstream>
 
@@ -25,7 +26,7 @@ Outcome RunWith(std::vector<std::string> arguments) {
 TEST(StylevmcCli, RefusesEachBadOptionWithAReason) {
   const std::string to = "127.0.0.1:39539";
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{}, "--to is required"},
+      {{}, "expected --to HOST:PORT or --find NAME"},
       {{"--to", "nonsense"}, "expected [PERFORMER=]HOST:PORT"},
       {{"--to", to, "--performer", "anna"}, "is not SOURCE.NAME"},
       {{"--to", to, "--rate", "0"}, "--rate"},
@@ -49,6 +50,15 @@ TEST(StylevmcCli, FailsWhereAHostOrAnEndpointCannotBe) {
   const Outcome endpoint = RunWith({"--to", "127.0.0.1:39539", "--publish", "nonsense"});
   EXPECT_EQ(endpoint.code, kExitFailed);
   EXPECT_THAT(endpoint.err, HasSubstr("cannot connect to nonsense"));
+}
+
+TEST(StylevmcCli, WithoutMdnsFindFails) {
+  setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent/styled-test-bus", 1);
+  const Outcome outcome = RunWith({"--find", "VRChat"});
+  unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
+  EXPECT_EQ(outcome.code, kExitFailed);
+  EXPECT_THAT(outcome.err, HasSubstr("--find: "));
+  EXPECT_THAT(outcome.err, HasSubstr("avahi"));
 }
 
 TEST(StylevmcCli, AMissingDaemonIsReported) {
