@@ -10,9 +10,9 @@ namespace styled::source {
 // VRChat's OSC trackers ("vrchat"; bytes: proto/rigs/vrchat): what applications such as SlimeVR
 // send to VRChat, and the head and wrists that VRChat sends.
 //
-// Transport   UDP, port 9000. Single messages or bundles; there is no clock. OSCQuery, by which
-//             VRChat finds the receivers of its head and wrists, is not spoken: another program has
-//             to advertise this port.
+// Transport   UDP, port 9000. Single messages or bundles; there is no clock. VRChat finds the
+//             receivers of its head and wrists by OSCQuery, which styleoscquery speaks for the port
+//             (clients/oscquery).
 // Performer   One per port: `performer`, else the source's name.
 // Devices     "1" .. "8", "head", "vrsystem/head", "vrsystem/leftwrist", "vrsystem/rightwrist".
 //             Without `trackers` the numbers are worn as SlimeVR numbers them: 1 hips, 2 and 3 left
