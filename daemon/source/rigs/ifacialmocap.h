@@ -14,8 +14,7 @@ namespace styled::source {
 //             after 0.3 s of silence and then every 2 s; without, another program must start the
 //             phone.
 // Performer   None, or `performer`, else the source's name. One phone at a time: another address
-// takes over when the first was silent for
-//             2 s.
+//             takes over when the first was silent for 2 s.
 // Face        ARKit's 52 expressions, or VRM's presets (`expressions`), 0 .. 1.
 // Head        Used for a performer of its own only; a rig has a head. Degrees x, y, z are taken as
 //             down, to the left, to the right shoulder: the axes of the eyes' rotations in the

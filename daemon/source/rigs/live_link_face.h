@@ -12,9 +12,9 @@ namespace styled::source {
 //
 // Transport   UDP, port 11111.
 // Performer   None, or `performer`, else the source's name. One phone at a time: another one takes
-// over when the first was silent for 2 s. Face        ARKit's 52 expressions, or VRM's presets
-// (`expressions`), 0 .. 1. Head        Used for a performer of its own only; a rig has a head.
-// Radians; yaw to the left,
+//             over when the first was silent for 2 s.
+// Face        ARKit's 52 expressions, or VRM's presets (`expressions`), 0 .. 1.
+// Head        Used for a performer of its own only; a rig has a head. Radians; yaw to the left,
 //             pitch up, roll to the left shoulder. The app does not document the signs. Yaw and
 //             pitch are those against which the eyes turn in a recording of a real phone
 //             (correlation 0.95 and 0.48), as the eyes of a person do who looks at the phone; the
