@@ -83,8 +83,8 @@ void IdleLayer::Apply(std::int64_t elapsed_ns, float amount, rig::RigPose& pose)
   } else {
     returning_ = std::max(returning_ - step_s_ / kReturn_s, 0.0F);
   }
+  KeepFinite(pose);  // always: the motion may begin when the rig is silent already
   if (amounts_.body == 0 && amounts_.head == 0 && returning_ == 0) return;
-  KeepFinite(pose);
   Show();
   if (pose.translations.front().allFinite())
     pose.translations.front() = shown_.translations.front();

@@ -31,7 +31,7 @@ class IdleLayer {
   // finite stay so.
   STYLED_REALTIME void Apply(std::int64_t elapsed_ns, float amount, rig::RigPose& pose) noexcept;
   // The rig is silent: writes its last pose with the motion of `elapsed_ns`. Returns false if there
-  // is none, because no frame came with an amount above 0.
+  // is none.
   STYLED_REALTIME bool ApplySilent(std::int64_t elapsed_ns, float amount,
                                    rig::RigPose& pose) noexcept;
   // The poses that are kept change to their mirror images, with the rig's next one.

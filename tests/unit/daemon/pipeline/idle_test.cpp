@@ -189,6 +189,21 @@ TEST(IdleTest, WithoutItSilenceIsOneStaleFrame) {
   EXPECT_EQ(stage.pipeline.Count(Counter::kPipelineIdle), 0U);
 }
 
+TEST(IdleTest, ItCanBeSwitchedOnInTheSilence) {
+  IdleStage stage(0);
+  for (int i = 0; i < 10; ++i) stage.Send();
+  stage.Silence(5);
+  auto frames = stage.Frames();
+  frames.erase(frames.begin(), frames.end() - 1);
+  stage.SetIdle(1);
+  stage.Silence(4);
+  const auto moving = stage.Frames();
+  EXPECT_GT(moving.size(), 400U);
+  frames.insert(frames.end(), moving.begin(), moving.end());
+  EXPECT_LT(Largest(frames).deg, 1) << "it begins from the pose that stood still";
+  EXPECT_GT(Largest({moving[0], moving[300]}).deg, 0.2F);
+}
+
 TEST(IdleTest, ItCanBeSwitchedOffInTheSilence) {
   IdleStage stage(1);
   for (int i = 0; i < 10; ++i) stage.Send();
