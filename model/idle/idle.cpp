@@ -45,7 +45,8 @@ constexpr double kHeadTurns_s = 9.1, kHeadNods_s = 6.7;
 // Of the hips above the ankles, as a share of the legs' length (thigh and shank): from which on a
 // body stands. Standing is 1.06, and a chair 0.5.
 constexpr float kSits = 0.75F, kStands = 0.95F;
-// A straight leg has no room to shift the hips aside, so they sink a little.
+// A straight leg has no room to shift the hips aside, so they sink a little: by the square of the
+// amount, because a straight knee bends by the root of it.
 constexpr float kSinks_m = 0.001F;
 
 std::uint32_t Mixed(std::uint32_t x) noexcept {
@@ -144,7 +145,8 @@ void Idle::Add(double time_s, const Amounts& amounts, body::Pose& pose) const no
   left.y() = 0;
   left = left.norm() > 1e-3F ? left.normalized() : Vec3::UnitX();
   Vec3 moved_m = aside_m * left + ahead_m * left.cross(Vec3::UnitY());
-  moved_m.y() = -body_amount * stands * kSinks_m - 0.6F * (aside_m * aside_m + ahead_m * ahead_m);
+  moved_m.y() = -body_amount * body_amount * stands * kSinks_m -
+                0.6F * (aside_m * aside_m + ahead_m * ahead_m);
   if (stands > 0) {
     pose.hips_position_m += moved_m;
     for (const Leg& leg : kLegs) KeepFoot(leg, before, moved_m, pose);
