@@ -70,7 +70,7 @@ class Performer {
 // In the world the head looks where the phone's angles say, by the cosines of a direction instead
 // of by the code's quaternions.
 TEST(FaceBody, TheHeadOfARealTakeIsThePhones) {
-  const auto datagrams = ReadRecording("dao.gesichter");
+  const auto datagrams = ReadRecording("dao.gesichter", STYLED_DATA_DEFAULT);
   if (datagrams.empty()) GTEST_SKIP() << "skipped, no data";
   Performer performer(Alone());
   float worst_deg = 0, turned_deg = 0, resting_deg = 0;

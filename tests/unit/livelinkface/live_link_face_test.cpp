@@ -36,7 +36,7 @@ TEST(LiveLinkFace, ReadsWhatTheLayoutSaysByteForByte) {
 }
 
 TEST(LiveLinkFace, ARecordingOfTheAppIsReadAndWrittenByteForByte) {
-  const auto datagrams = testing::ReadRecording("dao.gesichter");
+  const auto datagrams = testing::ReadRecording("dao.gesichter", STYLED_DATA_DEFAULT);
   if (datagrams.empty()) GTEST_SKIP() << "skipped, no data";
   ASSERT_EQ(datagrams.size(), 180U);
   std::int32_t last = 0;
@@ -62,7 +62,8 @@ TEST(LiveLinkFace, ARecordingOfTheAppIsReadAndWrittenByteForByte) {
 TEST(LiveLinkFace, AnExpressionIsWhereItsNameSays) {
   bool any = false;
   for (const auto* const shape : {"eyeblinkleft", "jawopen"}) {
-    const auto datagrams = testing::ReadRecording(std::string("debug-") + shape + ".gesichter");
+    const auto datagrams =
+        testing::ReadRecording(std::string("debug-") + shape + ".gesichter", STYLED_DATA_DEFAULT);
     any = any || !datagrams.empty();
     float most = 0;
     for (const Bytes& bytes : datagrams) {

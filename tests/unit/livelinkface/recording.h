@@ -10,10 +10,12 @@
 
 namespace styled::live_link_face::testing {
 
-// The frames of a recording of LLV: gzip of { u8 6; u32 n; n x { u32 size; datagram } }.
-inline std::vector<std::vector<std::byte>> ReadRecording(const std::string& name) {
+// `data`: the folder of data where STYLED_DATA is not set. The frames of a recording of LLV: gzip
+// of { u8 6; u32 n; n x { u32 size; datagram } }.
+inline std::vector<std::vector<std::byte>> ReadRecording(const std::string& name,
+                                                         const char* data) {
   const char* set = std::getenv("STYLED_DATA");
-  const std::filesystem::path folder = set != nullptr ? set : STYLED_DATA_DEFAULT;
+  const std::filesystem::path folder = set != nullptr ? set : data;
   const gzFile file = gzopen((folder / "packets" / "livelinkface" / name).c_str(), "rb");
   std::vector<std::vector<std::byte>> datagrams;
   if (file == nullptr) return datagrams;
