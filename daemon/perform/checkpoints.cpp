@@ -17,7 +17,7 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::uint32_t kCheckpointVersion = 4;  // 2: without posture; 1: without neutral
+constexpr std::uint32_t kCheckpointVersion = 4;  // without idle motion 3, posture 2, neutral 1
 constexpr std::size_t kQuoted = 80;              // shown bytes of a name, in a reason
 // Beyond any real number: at 120 Hz it is reached after a thousand million years. A larger number
 // could wrap around, and subscribers would drop every frame as an old one.

@@ -56,9 +56,10 @@ class IdleLayer {
   float step_s_ = 0;
   idle::Idle::Amounts amounts_{0, 0};
   bool has_last_ = false, silent_ = false;
-  float returning_ = 0;  // 1 .. 0: the share of left_ in what is shown
-  rig::RigPose last_, left_, shown_,
-      scratch_;  // the rig's, without motion; shown at the return; shown now
+  float returning_ = 0;           // 1 .. 0: the share of left_ in what is shown
+  rig::RigPose last_;             // the rig's, without the motion
+  rig::RigPose left_;             // shown when the rig returned
+  rig::RigPose shown_, scratch_;  // shown now
 };
 
 }  // namespace styled::pipeline

@@ -48,7 +48,7 @@ rig::RigBody Body() {
   return made;
 }
 
-// With arms that hang, or hands on the thighs; looked at in pictures, not measured.
+// With arms that hang, or hands at a desk; looked at in pictures, not measured.
 rig::RigPose PoseOf(const rig::RigBody& body, bool seated) {
   rig::RigPose pose(body.skeleton);
   const float forward_rad = seated ? -0.45F : -0.05F, elbow_rad = seated ? 1.1F : 0.25F;
