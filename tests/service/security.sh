@@ -20,5 +20,5 @@ for unit in "$1"/*.service; do
     grep -v "is not executable\|Failed to \(open\|connect\)" || true)
   [ -z "$complaints" ] || { echo "FAILED: $complaints"; failed=1; }
 done
-[ $seen = 5 ] || { echo "FAILED: $seen units, expected 5"; exit 1; }
+[ $seen = 6 ] || { echo "FAILED: $seen units, expected 6"; exit 1; }
 exit $failed
