@@ -120,43 +120,66 @@ void ForMirrored(std::string_view name, Sink sink) noexcept {
   sink(name.substr(from));
 }
 
-// The name of an encoded expression and where its field begins and ends; begin == end: it has none.
-struct NameField {
-  std::size_t begin = 0, end = 0;
+// An encoded expression: its name and where that field begins and ends, begin == end: it has none;
+// and where the bytes of its value are, 0: nowhere, it is 0. `whole`: it has no other field.
+struct Encoded {
+  std::size_t name_begin = 0, name_end = 0, value_at = 0;
   std::string_view name;
+  bool whole = false;
 };
-NameField FindName(std::span<const std::byte> expression) noexcept {
+Encoded ReadExpression(std::span<const std::byte> expression) noexcept {
+  Encoded read;
   std::size_t at = 0, key = 0, size = 0;
   while (at < expression.size()) {
     const std::size_t begin = at;
-    if (!ReadVarint(expression, at, key)) break;
+    if (!ReadVarint(expression, at, key)) return read;
     if (key == kValue && expression.size() - at >= sizeof(float)) {
+      read.value_at = at;
       at += sizeof(float);
-      continue;
+    } else if (key == kName && ReadVarint(expression, at, size) && size <= expression.size() - at) {
+      read.name = {reinterpret_cast<const char*>(expression.data()) + at, size};
+      at += size;
+      read.name_begin = begin;
+      read.name_end = at;
+    } else {
+      return read;
     }
-    if (key != kName || !ReadVarint(expression, at, size) || size > expression.size() - at) break;
-    return {begin, at + size, {reinterpret_cast<const char*>(expression.data()) + at, size}};
   }
-  return {};
+  read.whole = true;
+  return read;
+}
+
+float ValueOf(std::span<const std::byte> expression, const Encoded& read) noexcept {
+  float value = 0;
+  if (read.value_at > 0) std::memcpy(&value, &expression[read.value_at], sizeof value);
+  return value;
+}
+
+bool ClosesAnEye(std::string_view name) noexcept {
+  constexpr std::string_view kBlink = "blink";
+  const auto same = [](char c, char lower) {
+    return c == lower || (IsUpper(c) && c - 'A' + 'a' == lower);
+  };
+  return !std::ranges::search(name, kBlink, same).empty();
 }
 
 void WriteMirrored(std::span<const std::byte> expression, WireWriter& out) noexcept {
-  const NameField field = FindName(expression);
+  const Encoded read = ReadExpression(expression);
   std::size_t name = 0;
-  ForMirrored(field.name, [&name](std::string_view part) { name += part.size(); });
-  const std::size_t others = expression.size() - (field.end - field.begin);
+  ForMirrored(read.name, [&name](std::string_view part) { name += part.size(); });
+  const std::size_t others = expression.size() - (read.name_end - read.name_begin);
   out.Varint(kExpressionsTag);
-  if (field.begin == field.end) {
+  if (read.name_begin == read.name_end) {
     out.Varint(expression.size());
     return out.Bytes(expression);
   }
   out.Varint(others + 1 + VarintSize(name) + name);
-  out.Bytes(expression.first(field.begin));
+  out.Bytes(expression.first(read.name_begin));
   out.Varint(kName);
   out.Varint(name);
-  ForMirrored(field.name,
+  ForMirrored(read.name,
               [&out](std::string_view part) { out.Bytes(std::as_bytes(std::span(part))); });
-  out.Bytes(expression.subspan(field.end));
+  out.Bytes(expression.subspan(read.name_end));
 }
 
 }  // namespace
@@ -185,66 +208,23 @@ void ScaleFace(std::span<std::byte> face, float by) noexcept {
   FieldReader fields(face);
   while (fields.Next() && fields.tag == kExpressionsTag) {
     const auto expression = face.subspan(fields.content, fields.size);
-    std::size_t at = 0, key = 0, name = 0;
-    while (at < expression.size() && ReadVarint(expression, at, key)) {
-      if (key == kName) {
-        if (!ReadVarint(expression, at, name) || name > expression.size() - at) return;
-        at += name;
-      } else if (key == kValue && expression.size() - at >= sizeof(float)) {
-        float value = 0;
-        std::memcpy(&value, &expression[at], sizeof value);
-        value *= by;
-        std::memcpy(&expression[at], &value, sizeof value);
-        at += sizeof value;
-      } else {
-        return;
-      }
-    }
+    const Encoded read = ReadExpression(expression);
+    const float value = by * ValueOf(expression, read);
+    if (read.value_at > 0) std::memcpy(&expression[read.value_at], &value, sizeof value);
+    if (!read.whole) return;
   }
 }
-
-namespace {
-
-char Lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-bool ClosesAnEye(std::string_view name) noexcept {
-  constexpr std::string_view kBlink = "blink";
-  return std::ranges::search(name, kBlink, [](char a, char b) { return Lower(a) == b; }).begin() !=
-         name.end();
-}
-
-// An expression's message. Returns false for fields that it does not have.
-bool ReadExpression(std::span<const std::byte> bytes, Face::Expression& expression) noexcept {
-  expression = {};
-  std::size_t at = 0, key = 0, size = 0;
-  while (at < bytes.size()) {
-    if (!ReadVarint(bytes, at, key)) return false;
-    if (key == kName) {
-      if (!ReadVarint(bytes, at, size) || size > bytes.size() - at) return false;
-      expression.name = {reinterpret_cast<const char*>(bytes.data()) + at, size};
-      at += size;
-    } else if (key == kValue && bytes.size() - at >= sizeof(float)) {
-      std::memcpy(&expression.value, bytes.data() + at, sizeof(float));
-      at += sizeof(float);
-    } else {
-      return false;
-    }
-  }
-  return true;
-}
-
-}  // namespace
 
 std::size_t RestFace(std::span<const std::byte> face, float by, float closed,
                      std::span<std::byte> to) noexcept {
   WireWriter out(to);
   FieldReader fields(face);
   while (fields.Next() && fields.tag == kExpressionsTag) {
-    Face::Expression expression;
-    if (!ReadExpression(face.subspan(fields.content, fields.size), expression)) return 0;
-    expression.value *= by;
-    if (ClosesAnEye(expression.name)) expression.value = std::max(expression.value, closed);
-    Write(expression, out);
+    const auto expression = face.subspan(fields.content, fields.size);
+    const Encoded read = ReadExpression(expression);
+    if (!read.whole) return 0;
+    const float value = by * ValueOf(expression, read);
+    Write({read.name, ClosesAnEye(read.name) ? std::max(value, closed) : value}, out);
   }
   out.Bytes(PassedOn(face));
   return out.fits() ? out.size() : 0;
