@@ -25,6 +25,11 @@ Result<Performer*> Calibrate(const v1::Request& request,
   if (calibrate.neutral()) {
     if (Status status = performer->CalibrateNeutral(calibrate); !status.ok()) return status;
   } else if (transport != nullptr && transport->has_sensors()) {
+    if (calibrate.clear()) {
+      return Refused(v1::CODE_OUT_OF_RANGE,
+                     "calibrate: clear: a rig of sensors has no rest pose to forget; expected the "
+                     "next calibration, which replaces the last");
+    }
     const Status status =
         transport->Calibrate(static_cast<source::Calibration>(calibrate.sensors()), now_ns);
     if (!status.ok()) return Refused(v1::CODE_NOT_READY, status.message());
