@@ -16,6 +16,11 @@ using runtime::kSecond_ns;
 using runtime::Nanoseconds;
 
 constexpr std::int64_t kStaysWarm_ns = 2 * runtime::kMillisecond_ns;
+// Performers whose rigs are silent may not delay those whose rigs send, and each of their frames
+// takes tens of microseconds of the pipeline's thread: at most this many between two looks at the
+// sources, and one per kEachIdle_ns in the mean.
+constexpr int kIdleFramesPerTurn = 8;
+constexpr std::int64_t kEachIdle_ns = 150'000;
 
 std::int64_t StaleAt_ns(const Performer& performer, const config::Performers& limits) {
   return performer.admission.last_frame_ns() +
@@ -77,6 +82,7 @@ int Timers::DoWork(std::int64_t now_ns, bool drained, std::int64_t batch_ns) {
       work += DoPerformer(*performers[i], now_ns, drained);
       if (performers.size() == count) ++i;  // unless it was forgotten
     }
+    work += IdleAll(now_ns);
     if (silence_.stale_size() + silence_.idle_size() + silence_.forgotten_size() > 0) {
       performance_.log.OnSilence(now_ns, silence_);
       silence_.Clear();
@@ -107,10 +113,6 @@ int Timers::DoPerformer(Performer& performer, std::int64_t now_ns, bool drained)
     }
     performer.next_idle_ns = now_ns;
   }
-  if (!performer.admission.live() && performer.idles() && now_ns >= performer.next_idle_ns) {
-    ++work;
-    Idle(performer, now_ns);
-  }
   LogFacing(performer);
   if (drained && !performer.admission.live() && now_ns >= ForgottenAt_ns(performer, limits) &&
       !Stays(performer)) {
@@ -127,9 +129,27 @@ int Timers::DoPerformer(Performer& performer, std::int64_t now_ns, bool drained)
   return work + 1;
 }
 
+// Sends the frames that are due of performers whose rigs are silent.
+int Timers::IdleAll(std::int64_t now_ns) {
+  const auto& performers = performance_.roster.performers;
+  const auto idles = [](const auto& performer) {
+    return !performer->admission.live() && performer->idles();
+  };
+  const auto idling = std::ranges::count_if(performers, idles);
+  int sent = 0;
+  for (std::size_t i = 0; idling > 0 && i < performers.size() && sent < kIdleFramesPerTurn; ++i) {
+    const std::size_t place = (first_to_idle_ + i) % performers.size();
+    Performer& performer = *performers[place];
+    if (!idles(performers[place]) || now_ns < performer.next_idle_ns) continue;
+    Idle(performer, now_ns, idling * kEachIdle_ns);
+    if (++sent == kIdleFramesPerTurn) first_to_idle_ = place + 1;
+  }
+  return sent;
+}
+
 // The frames of a silent performer follow each other as those of the rig did, between 30 and 120 a
-// second.
-void Timers::Idle(Performer& performer, std::int64_t now_ns) {
+// second, or more slowly where many are silent.
+void Timers::Idle(Performer& performer, std::int64_t now_ns, std::int64_t least_period_ns) {
   constexpr std::int64_t kShortest_ns = kSecond_ns / 120, kLongest_ns = kSecond_ns / 30;
   // Since the last frame; after a takeover that is not known.
   const std::int64_t since_ns =
@@ -142,8 +162,8 @@ void Timers::Idle(Performer& performer, std::int64_t now_ns) {
     idle.set_published(performer.profile.next_sequence - 1);
     idle.set_elapsed_ns(elapsed_ns);
   }
-  const std::int64_t period_ns =
-      std::clamp(performer.latency.rig.period_ns(), kShortest_ns, kLongest_ns);
+  const std::int64_t period_ns = std::max(
+      std::clamp(performer.latency.rig.period_ns(), kShortest_ns, kLongest_ns), least_period_ns);
   performer.next_idle_ns = std::max(performer.next_idle_ns + period_ns, now_ns + period_ns / 2);
 }
 

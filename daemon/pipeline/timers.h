@@ -31,7 +31,8 @@ class Timers {
   int DoPerformer(Performer& performer, std::int64_t now_ns, bool drained);
   std::int64_t Prepare_ns(const Performer& performer, std::int64_t batch_ns) const;
   void Prepare(Performer& performer, std::int64_t now_ns, std::int64_t batch_ns);
-  void Idle(Performer& performer, std::int64_t now_ns);
+  int IdleAll(std::int64_t now_ns);
+  void Idle(Performer& performer, std::int64_t now_ns, std::int64_t least_period_ns);
   bool Stays(const Performer& performer) const;
   void LogFacing(Performer& performer);
   int LogLayers(std::int64_t now_ns);
@@ -42,7 +43,8 @@ class Timers {
   const Dependencies dependencies_;
   Performance& performance_;
   Stats& stats_;
-  v1::Silence silence_;  // of this turn
+  v1::Silence silence_;            // of this turn
+  std::size_t first_to_idle_ = 0;  // the performer who is next where not all have their turn
   runtime::WallWatch wall_watch_;
   // The last sentence that the log has of each source whose data reach no performer.
   std::vector<std::string> stray_;
