@@ -34,6 +34,8 @@ class IdleLayer {
   // is none.
   STYLED_REALTIME bool ApplySilent(std::int64_t elapsed_ns, float amount,
                                    rig::RigPose& pose) noexcept;
+  // Whether a frame of the rig has come, in this process or before a checkpoint.
+  bool has_pose() const noexcept { return has_last_; }
   // The poses that are kept change to their mirror images, with the rig's next one.
   STYLED_REALTIME void Mirror(const rig::MirrorMap& map) noexcept;
   // The face of a silent performer: the share of its last expressions that is left, and how far the

@@ -18,6 +18,8 @@ namespace {
 
 // Of the stylist's time, where the rig's returns before it.
 constexpr std::int64_t kLeastStep_ns = 1'000'000;
+// After a checkpoint was restored, the silence before the body moves by itself: as stale_ms.
+constexpr std::int64_t kRestored_ns = 250'000'000;
 
 runtime::Counter CounterOf(v1::Failure failure) noexcept {
   switch (failure) {
@@ -199,6 +201,8 @@ void Performer::Carry(Checkpoint& c, std::int64_t now_ns) noexcept {
   c.Time(faced_ns_);
   c.Time(ahead_ns_);
   c.Time(frame_.elapsed_ns);
+  // The rig's next frame may be on its way, so that its body does not move by itself at once.
+  if (c.reads()) next_idle_ns = now_ns + kRestored_ns;
 }
 
 runtime::Counter Performer::Accept(const decide::FrameInTransit& transit) noexcept {

@@ -121,7 +121,7 @@ class Performer {
   }
   std::int64_t elapsed_ns() const noexcept { return frame_.elapsed_ns; }
   // Whether the body moves by itself while its rig is silent.
-  bool idles() const noexcept { return idle_ && profile.look.idle() > 0 && styling_->has_output(); }
+  bool idles() const noexcept { return idle_ && profile.look.idle() > 0 && idle_->has_pose(); }
 
   // As Fingers::HandsWithoutPlace, of the bound body.
   std::string HandsWithoutPlace() const { return fingers_.HandsWithoutPlace(); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "daemon/pipeline/pipeline.h"
 #include "model/body/pose.h"
@@ -283,6 +284,55 @@ TEST(IdleTest, AFollowerShowsTheSameMotion) {
   const auto followed = follower.Frames();
   ASSERT_EQ(followed.size(), led.size());
   EXPECT_EQ(std::memcmp(&followed.back().pose, &led.back().pose, sizeof(body::Pose)), 0);
+}
+
+// A standby that joins in the silence has the pose by a checkpoint alone.
+TEST(IdleTest, ItContinuesFromACheckpointThatWasTakenInTheSilence) {
+  IdleStage leader(1), other(1);
+  for (int i = 0; i < 60; ++i) leader.Send(Elsewhere);
+  leader.Silence(3);
+  v1::Request take;
+  take.set_performer("rig.a");
+  take.mutable_take_checkpoint();
+  const v1::Reply taken = leader.pipeline.Ask(take);
+  ASSERT_EQ(taken.code(), v1::CODE_OK) << taken.reason();
+  const body::Pose last = leader.Frames().back().pose;
+  v1::Request restore;
+  *restore.mutable_restore_checkpoint()->mutable_checkpoint() = taken.checkpoint();
+  ASSERT_EQ(other.pipeline.Ask(restore).code(), v1::CODE_OK);
+  other.Silence(1);
+  const auto frames = other.Frames();
+  ASSERT_GT(frames.size(), 20U);
+  EXPECT_LT(Largest({{last, 0}, frames.front()}).deg, 1);
+  EXPECT_LT(Largest({{last, 0}, frames.front()}).m, 0.01F);
+}
+
+// 40 rigs stop at once beside one that sends: each turn sends few of their frames, and all of them
+// move.
+TEST(IdleTest, ManySilentPerformersLeaveTimeForTheOthers) {
+  IdleStage stage(1);
+  std::vector<support::Rig> rigs;
+  for (int i = 0; i < 40; ++i) {
+    rigs.emplace_back("p" + std::to_string(i), 100 + i);
+    stage.pipeline.Deliver({rigs.back().Body(), rigs.back().Frame()});
+  }
+  stage.pipeline.publisher.events.push_back({true, "styled/rig.p"});
+  stage.Silence(1);
+  stage.pipeline.publisher.frames.clear();
+  const std::uint64_t before = stage.pipeline.Count(Counter::kPipelineIdle);
+  std::uint64_t most = 0;
+  for (int i = 0; i < 250; ++i) {
+    const std::uint64_t at = stage.pipeline.Count(Counter::kPipelineIdle);
+    stage.pipeline.clock.now_ns += 4'000'000;
+    (void)stage.pipeline.pipeline().DoWork();
+    most = std::max(most, stage.pipeline.Count(Counter::kPipelineIdle) - at);
+  }
+  EXPECT_LE(most, 8U);
+  std::map<std::string, int> of;
+  for (const v1::Frame& frame : stage.pipeline.publisher.frames) ++of[frame.performer()];
+  EXPECT_EQ(of.size(), 40U);
+  for (const auto& [performer, frames] : of) EXPECT_GE(frames, 15) << performer;
+  EXPECT_LE(stage.pipeline.Count(Counter::kPipelineIdle) - before, 250U * 8);
 }
 
 TEST(IdleTest, ItLeavesItsPlaceWhereAllAreTaken) {
