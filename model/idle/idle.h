@@ -16,7 +16,7 @@ class Idle {
   explicit Idle(std::uint32_t seed);
 
   struct Amounts {
-    float body = 1;  // of breath and sway: 0 none, 1 as measured on people (idle.cpp)
+    float body = 1;  // of breath and sway: 0 none, 1 that of a person at rest (idle.cpp)
     float head = 0;  // of the head's own wandering; 0: its world rotation stays as it is
   };
   // Adds the motion at `time_s`, which must be continuous, to a pose in canonical axes. The feet

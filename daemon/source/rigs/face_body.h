@@ -15,7 +15,7 @@
 
 namespace styled::source {
 
-// A performer of whom a phone sees only the face (config::Source::FaceAlone): the canonical
+// The performer of a phone and nothing else (config::Source::FaceAlone): the canonical
 // humanoid with eyes, standing or seated, in metres. Neck and head share the head's rotation, so
 // that the head's in the world is the phone's; the eyes follow ARKit's shapes of the gaze.
 // Everything else stands still here: the performer's idle motion (v1::Look.idle, initially 1) moves
