@@ -46,7 +46,7 @@ class IdleStage {
     Advance(static_cast<std::int64_t>(rig.period_ns));
     pipeline.Deliver({rig.Frame(change)});
   }
-  // The rig sends nothing for so long; its clock continues unless it `pauses`.
+  // The rig sends nothing for these seconds; its clock continues unless it `pauses`.
   void Silence(double seconds, bool pauses = false) {
     constexpr std::int64_t kTurn_ns = 4'000'000;
     const auto turns = static_cast<int>(seconds * 1e9 / kTurn_ns);
@@ -201,7 +201,7 @@ TEST(IdleTest, ItCanBeSwitchedOnInTheSilence) {
   const auto moving = stage.Frames();
   EXPECT_GT(moving.size(), 400U);
   frames.insert(frames.end(), moving.begin(), moving.end());
-  // Straight knees, as this rig has them, are the worst case: they begin to bend by 1.2 degrees.
+  // The straight knees of this rig are the worst case: they begin to bend by 1.2 degrees.
   EXPECT_LT(Largest(frames).deg, 2) << "it begins from the pose that stood still";
   EXPECT_GT(Largest({moving[0], moving[300]}).deg, 0.2F);
 }
