@@ -213,6 +213,19 @@ test('mirror: on, back, and on the page', async () => {
   await until(async () => !(await look()).mirror, 'no mirror again');
 });
 
+test('all buttons of the performer are in sight, in one row at 720p', async () => {
+  const outside = await page.evaluate(() => {
+    const calibrate = document.querySelector('.acts > :last-child'); // some weights need it
+    const shown = calibrate.hidden;
+    calibrate.hidden = false;
+    const panel = document.querySelector('.right').getBoundingClientRect();
+    const rows = [...document.querySelectorAll('.acts button')].map((button) => [button.textContent, button.getBoundingClientRect()]);
+    calibrate.hidden = shown;
+    return rows.filter(([, box]) => box.width === 0 || box.right > panel.right - 4 || box.top !== rows[0][1].top).map(([name]) => name);
+  });
+  assert.deepEqual(outside, []);
+});
+
 test('a neutral take comes first', async () => {
   await page.keyboard.press('l');
   await form().locator('input[name=style]').fill('difference');
