@@ -121,8 +121,8 @@ if(library IN_LIST components AND library_dev IN_LIST components)
 program. Weights are not in it: styled has them."
     SUGGESTS styled)
   package(library_dev libstyled-dev libdevel "restyles motion, as a library: to build with"
-"Headers of libstyled, a library with a C interface that puts poses of a skeleton
-into another style, for C and C++, CMake (find_package) and pkg-config."
+"Headers of libstyled, a library with a C interface that puts poses of a
+skeleton into another style, for C and C++, CMake (find_package) and pkg-config."
     DEPENDS "libstyled${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION})")
   set(CPACK_DEBIAN_LIBRARY_DEV_PACKAGE_SHLIBDEPS OFF)
   set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
