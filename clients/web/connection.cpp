@@ -26,8 +26,11 @@ constexpr std::size_t kMaxHeaderBytes = 16 << 10;
 constexpr std::chrono::seconds kRequestTimeout(15);
 // Limits how stale the data is that a stalled browser receives later.
 constexpr int kSendBufferBytes = 64 << 10;
+// worker-src: the page splits colour and alpha of a transparent video in a worker that it makes
+// itself.
 constexpr std::string_view kPolicy =
-    "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "default-src 'self'; script-src 'self'; worker-src 'self' blob:; style-src 'self' "
+    "'unsafe-inline'; "
     "img-src 'self' blob: data:; connect-src 'self' blob: data: ws: wss:; object-src 'none'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 constexpr std::string_view kNoPage =

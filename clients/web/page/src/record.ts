@@ -16,8 +16,9 @@ import { vrmaOf } from './vrma.js';
 const WIDTH = 1920, HEIGHT = 1080, PICTURES_HZ = 60; // of a video
 const LONGEST_S = 600; // the file is made in memory
 
-const KINDS = ['styled', 'input', 'vrma', 'avatar', 'video'] as const;
+const KINDS = ['styled', 'input', 'vrma', 'avatar', 'video', 'alone'] as const;
 type What = (typeof KINDS)[number];
+type Drawn = 'video' | 'alone'; // of these, what is drawn: the stage, and the body alone on a transparent ground
 
 /** Videos are made from the recorded poses; without WebCodecs, as on pages without TLS, the stage is filmed.
 */
@@ -56,7 +57,7 @@ avatar that was worn. */
 class Result {
   readonly filled: number[];
   private readonly humanoid: boolean; // it has the canonical humanoid
-  private video: Video | undefined;
+  private readonly videos = new Map<What, Video>();
 
   constructor(readonly take: Take, readonly grid: Grid, readonly film: Blob | undefined, readonly avatar: Avatar | undefined) {
     this.filled = [0, 1].map((track) => filledIn(grid, track));
@@ -66,26 +67,28 @@ class Result {
   has(what: What): boolean {
     if (what === 'vrma') return this.humanoid;
     if (what === 'avatar') return this.humanoid && this.avatar !== undefined;
+    if (what === 'alone') return RENDERS;
     return what !== 'video' || RENDERS || this.film !== undefined;
   }
-  get rendered(): boolean {
-    return !RENDERS || this.video !== undefined;
+  lacks(what: What): what is Drawn {
+    return (what === 'video' || what === 'alone') && RENDERS && !this.videos.has(what);
   }
 
   /** False: `progress` returned false. */
-  async render(stage: Stage, progress: (share: number) => boolean): Promise<boolean> {
+  async render(what: Drawn, stage: Stage, progress: (share: number) => boolean): Promise<boolean> {
     const replay = Replay.of(this.take, this.grid);
-    const filming = replay && stage.beginFilm(this.take.performer, WIDTH, HEIGHT);
+    const filming = replay && stage.beginFilm(this.take.performer, WIDTH, HEIGHT, what === 'alone');
     if (!filming) throw new Error(`${this.take.performer} is no longer on the stage`);
     try {
       const { render } = await import('./render.js');
       const pictures = Math.max(1, Math.round(Math.min(LONGEST_S, replay.duration_s) * PICTURES_HZ));
-      this.video = await render(stage.canvas, PICTURES_HZ, pictures, (i) =>
-        filming.draw((stream) => replay.at(stream, i / PICTURES_HZ), i === 0 ? 0.001 : 1 / PICTURES_HZ), progress);
+      const video = await render(filming.canvas, PICTURES_HZ, pictures, (i) =>
+        filming.draw((stream) => replay.at(stream, i / PICTURES_HZ), i === 0 ? 0.001 : 1 / PICTURES_HZ), progress, what === 'alone');
+      if (video) this.videos.set(what, video);
     } finally {
       filming.end();
     }
-    return this.video !== undefined;
+    return this.videos.has(what);
   }
 
   words(): string {
@@ -94,8 +97,9 @@ class Result {
     const parts = [this.take.performer, `${(frames / rate_hz).toFixed(2)} s`,
                    `${frames} frames at ${Number(rate_hz.toFixed(3))} Hz`];
     if (Math.abs(step - 1) > 1e-9) parts.push(`the rig's own rate was ${(rate_hz * step).toFixed(2)} Hz`);
-    if (this.video) {
-      const { pictures } = this.video;
+    const [video] = this.videos.values(); // all have the same pictures
+    if (video) {
+      const { pictures } = video;
       parts.push(`video of ${pictures} pictures at ${PICTURES_HZ} Hz` + (pictures / PICTURES_HZ >= LONGEST_S ? ', its first 10 minutes' : ''));
     }
     const filled = Math.max(source, styled);
@@ -108,7 +112,8 @@ class Result {
 
   name(what: What): string {
     const whose = `${this.take.performer.replace(/[^\w.-]/g, '_')}-${what}-${stamp(this.take.begun)}`;
-    if (what === 'video') return `${whose}${RENDERS ? (this.video ? `.${this.video.extension}` : '') : `.${Film.extension}`}`;
+    if (what === 'alone' || (what === 'video' && RENDERS)) return `${whose}${this.lacks(what) ? '' : `.${this.videos.get(what)!.extension}`}`;
+    if (what === 'video') return `${whose}.${Film.extension}`;
     const [track, extension] = ({ styled: ['rig', 'bvh'], input: ['source', 'bvh'], vrma: ['canonical', 'vrma'], avatar: ['canonical', 'glb'] } as const)[what];
     const filled = track === 'canonical' ? Replay.of(this.take, this.grid)!.filled(track) : this.filled[track === 'source' ? 0 : 1]!;
     return `${whose}${filled > 0 ? `-${filled}filled` : ''}.${extension}`;
@@ -117,7 +122,7 @@ class Result {
   async save(what: What): Promise<string> {
     const { take, grid } = this;
     const name = this.name(what);
-    if (what === 'video') saveFile(this.video?.blob ?? this.film!, name);
+    if (what === 'video' || what === 'alone') saveFile(this.videos.get(what)?.blob ?? this.film!, name);
     else if (what === 'vrma') saveFile(await vrmaOf(Replay.of(take, grid)!), name);
     else if (what === 'avatar') saveFile(await avatarGlb(Replay.of(take, grid)!, this.avatar!), name);
     else {
@@ -135,7 +140,7 @@ function resultOf(take: Take | undefined, film: Blob | undefined, avatar: Avatar
 
 /** The text of a button that saves it again. */
 function chipWords(what: What, name: string): string {
-  const extension = /\.\w+$/.exec(name)?.[0] ?? '1080p60';
+  const extension = /\.\w+$/.exec(name)?.[0] ?? (what === 'alone' ? 'film' : '1080p60');
   return what === 'vrma' ? extension : `${what[0]!.toUpperCase()}${what.slice(1)} ${extension}`;
 }
 
@@ -163,18 +168,20 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     worn,
     h('option', { value: 'video', disabled: !RENDERS && !Film.extension,
                   title: RENDERS || Film.extension ? '' : 'This browser cannot record a picture' },
-      RENDERS ? 'Video, 1080p60' : 'Video of the stage, as drawn'));
+      RENDERS ? 'Video, 1080p60' : 'Video of the stage, as drawn'),
+    h('option', { value: 'alone', disabled: !RENDERS, title: RENDERS ? 'WebM with alpha, for a video editor, OBS or a web page' : 'It needs WebCodecs: https, or localhost' },
+      'Body or avatar alone, transparent video'));
   const line = h('p', { className: 'hint' });
   const chips = h('div', { className: 'chips' });
   const badge = h('div', { className: 'badge', hidden: true }, h('i', {}), h('span', {}));
 
-  let rendering: { share: number; cancelled: boolean } | undefined;
+  let rendering: { what: Drawn; share: number; cancelled: boolean } | undefined;
   // False: it was cancelled.
-  const rendered = async (of: Result): Promise<boolean> => {
-    const now = rendering = { share: 0, cancelled: false };
+  const rendered = async (what: Drawn, of: Result): Promise<boolean> => {
+    const now = rendering = { what, share: 0, cancelled: false };
     paint();
     try {
-      return await of.render(stage, (share) => {
+      return await of.render(what, stage, (share) => {
         now.share = share;
         paint();
         return !now.cancelled;
@@ -188,7 +195,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     try {
       const names: string[] = [];
       for (const one of what) {
-        if (one === 'video' && !of.rendered && !(await rendered(of))) continue;
+        if (of.lacks(one) && !(await rendered(one, of))) continue;
         names.push(await of.save(one));
       }
       paintChips();
@@ -270,7 +277,7 @@ export function recordPanel(app: App, stage: Stage): RecordPanel {
     document.title = on ? `● ${time} Styled` : 'Styled';
     if (done) {
       setText(badge.lastElementChild!, `video · ${done}`);
-      setText(line, 'The video is drawn from the recording; the stage shows it, the daemon continues.');
+      setText(line, `The video is drawn from the recording; the stage ${rendering!.what === 'alone' ? 'stands meanwhile' : 'shows it'}, the daemon continues.`);
     } else if (on) {
       const missed = recorder.missed;
       setText(badge.lastElementChild!, `${recorder.performer} · ${time}`);

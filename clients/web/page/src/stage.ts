@@ -66,8 +66,9 @@ function backdrop(): CanvasTexture {
   return texture;
 }
 
-/** A film that is being drawn; `end` returns the stage to the live motion. */
+/** A film that is being drawn on `canvas`; `end` returns the stage to the live motion. */
 export interface Filming {
+  canvas: HTMLCanvasElement;
   draw(of: (stream: Stream) => Shown | undefined, dt_s: number): void;
   end(): void;
 }
@@ -159,16 +160,19 @@ export class Stage {
     this.renderer.setAnimationLoop((now) => this.draw(now));
   }
 
-  /** Instead of the live motion, one performer's poses are drawn, from the current camera. */
-  beginFilm(name: string, width: number, height: number): Filming | undefined {
+  /** Instead of the live motion, one performer's poses are drawn, from the current camera. `alone`: only the styled
+  body or its avatar, on a transparent canvas of its own, while the stage stands still. */
+  beginFilm(name: string, width: number, height: number, alone = false): Filming | undefined {
     const performer = this.performers.get(name);
     if (!performer || this.filming) return undefined;
     this.filming = performer;
-    const { renderer } = this;
-    renderer.setAnimationLoop(null);
+    this.renderer.setAnimationLoop(null);
     this.orbit.enabled = false;
-    this.element.classList.add('filming');
-    const ratio = renderer.getPixelRatio(), spot = performer.spot.clone();
+    const renderer = alone ? this.transparent() : this.renderer;
+    const view = { ...this.view, alone }, { background, fog } = this.scene;
+    const ratio = this.renderer.getPixelRatio(), spot = performer.spot.clone();
+    if (alone) this.scene.background = this.scene.fog = null;
+    else this.element.classList.add('filming');
     renderer.setPixelRatio(1);
     renderer.setSize(width, height, false);
     this.look(width / height);
@@ -176,26 +180,37 @@ export class Stage {
     performer.spot.set(0, 0, 0);
     performer.rewind();
     return {
+      canvas: renderer.domElement,
       draw: (of, dt_s) => {
         for (const other of this.performers.values()) other.group.visible = other === performer;
         performer.take(of);
-        performer.draw(this.view, true, dt_s);
+        performer.draw(view, true, dt_s);
         renderer.render(this.scene, this.camera);
       },
       end: () => {
         this.filming = undefined;
         this.orbit.enabled = true;
         this.element.classList.remove('filming');
+        this.scene.background = background;
+        this.scene.fog = fog;
+        if (alone && renderer instanceof WebGLRenderer) renderer.dispose();
         performer.spot.copy(spot);
         performer.rewind();
         for (const other of this.performers.values()) other.group.visible = true;
         this.labelLayer.hidden = false;
-        renderer.setPixelRatio(ratio);
+        this.renderer.setPixelRatio(ratio);
         this.resize();
         this.setPerformers(this.names);
-        renderer.setAnimationLoop((now) => this.draw(now));
+        this.renderer.setAnimationLoop((now) => this.draw(now));
       },
     };
+  }
+
+  private transparent(): WebGLRenderer | FlatRenderer {
+    if (this.flat) return new FlatRenderer('', () => this.outlines());
+    const renderer = new WebGLRenderer({ antialias: this.detail === FINE, alpha: true });
+    renderer.setClearColor(BACKGROUND, 0);
+    return renderer;
   }
 
   get canvas(): HTMLCanvasElement {
