@@ -20,19 +20,19 @@ const REASONS: [RegExp, string][] = [
   [/rate_limited|table_full/, 'too much data: too many performers or frames'],
 ];
 
-const PHONES = ['livelinkface', 'ifacialmocap']; // a face: of another performer, or with a body of ours
+export const PHONES = ['livelinkface', 'ifacialmocap']; // a face: of another performer, or with a body of ours
 // Why nothing arrives, by type of source; otherwise by transport.
-const SILENT: Record<string, string> = {
+export const SILENT: Record<string, string> = {
   ifacialmocap: 'the daemon asks the phone, which has never answered. Is its app open and in front, and does server of this source name its address?',
   natnet: "the daemon asks Motive, which has never answered. Does server of this source name Motive's machine, and is streaming on there?",
   livelinkface: 'nothing has ever arrived. Does the app on the phone name this machine and this port (Settings, Live Link), and does a firewall let it in?',
   usb: 'nothing has ever arrived. Is the device plugged in and switched on?',
   'slimevr-usb': 'nothing has ever arrived. Is the receiver plugged in, and are the trackers switched on?',
 };
-const UNHEARD = 'nothing has ever arrived. Does the rig send to this machine and this port, and does a firewall let it in?';
+export const UNHEARD = 'nothing has ever arrived. Does the rig send to this machine and this port, and does a firewall let it in?';
 
 // Counters are of the whole daemon, so this is valid for a source only while no other one sends.
-function reasonOf(now: Stats, before: Stats): string | undefined {
+export function reasonOf(now: Stats, before: Stats): string | undefined {
   const had = new Map(before.counters.map(({ name, value }) => [name, value]));
   const grown = now.counters.filter(({ name }) => OF_SOURCES.test(name))
     .map(({ name, value }) => ({ name, by: Number(value - (had.get(name) ?? 0n)) }))
@@ -74,7 +74,7 @@ export function strays(now: Stats): string[] {
   return now.sources.filter(({ stray }) => stray).map(({ name, type, stray }) => `${name} (${type}): ${stray}.`);
 }
 
-const KNOWN = 0.8; // of a performer's neutral: two seconds of it
+export const KNOWN = 0.8; // of a performer's neutral: two seconds of it
 
 /** The state of a styled performer's neutral, after the style's name; '' if it is known well enough. */
 export function neutralWords({ live, turnedDeg, neutral }: PerformerStats): string {

@@ -58,7 +58,7 @@ function list(app: App, explain: Dialog): HTMLElement {
   });
   return h('section', { className: 'grow' }, h('div', { className: 'who' }, h('h2', {}, 'Performers'), box, empty),
     h('div', { className: 'whose' },
-      h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? Fate of the frames'), ownStyle(app)));
+      h('button', { className: 'quiet', 'data-why': '', onclick: () => explain.show() }, 'Why? From rig to reader'), ownStyle(app)));
 }
 
 // The parts that other sources provide for a performer, such as a phone the face, and the own

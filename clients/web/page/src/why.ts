@@ -1,9 +1,11 @@
-// The fates of a performer's frames and their causes: the daemon's sentences, each with its number of frames.
-import { Fate, type FrameFate } from 'styled-client';
+// The way of a performer's frames as a picture, and their fates with the causes: the daemon's sentences, each with its
+// number of frames.
+import { Fate, type FrameFate, type Stats } from 'styled-client';
 
 import type { App } from './app.js';
+import { chainOf, type State } from './chain.js';
 import { type Dialog, dialog } from './dialog.js';
-import { h } from './dom.js';
+import { h, setText } from './dom.js';
 
 const FRAMES = 600; // five seconds at 120 Hz
 const EVERY_MS = 500;
@@ -24,12 +26,37 @@ export function causes(frames: Pick<FrameFate, 'cause' | 'isBody' | 'fate'>[]): 
   return { well, causes: [...counts].map(([text, count]) => ({ text, count })).sort((a, b) => b.count - a.count) };
 }
 
+const SIGNS: Record<State, [sign: string, words: string]> = { ok: ['✓', 'in order'], warn: ['!', 'look here'], bad: ['×', 'broken'], off: ['–', 'not in use'] };
+
+// From the rig to this page, drawn once a second.
+function picture(app: App): HTMLElement {
+  const row = h('ol', { className: 'chain', 'aria-label': 'From the rig to the reader' });
+  let before: Stats | undefined, counted = 0, of = '';
+  app.client.on('stats', (now) => {
+    const performer = app.selected, count = performer ? app.client.arrived(performer, 'rig') : 0;
+    const links = chainOf(now, before, performer, performer === of ? count - counted : undefined);
+    [before, counted, of] = [now, count, performer];
+    while (row.children.length < links.length) row.append(h('li', {}, h('i', {}), h('b', {}), h('span', {})));
+    links.forEach(({ name, state, text }, i) => {
+      const [sign, title, words] = row.children[i]!.children;
+      (row.children[i] as HTMLElement).dataset.state = state;
+      setText(sign!, SIGNS[state][0]);
+      sign!.setAttribute('role', 'img');
+      sign!.setAttribute('aria-label', SIGNS[state][1]);
+      setText(title!, name);
+      setText(words!, text);
+    });
+  });
+  return row;
+}
+
 /** The dialog that shows the fates of the selected performer's frames. While open it is updated twice a second. */
 export function why(app: App): Dialog {
   const newest = h('p', {}), list = h('ul', {});
-  const box = dialog('Fate of the frames', 'why', newest, list);
+  const box = dialog('From the rig to the reader', 'why', picture(app), h('h3', {}, 'Fate of the frames'), newest, list);
   const fill = async () => {
     const performer = app.selected;
+    if (!performer) return setText(newest, 'No performer is present yet.');
     const frames = await app.client.explain(performer, { last: FRAMES });
     const found = causes(frames);
     newest.textContent = `${performer}: ${frames.at(-1)?.text ?? 'no frame arrived yet.'}`;
