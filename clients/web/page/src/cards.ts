@@ -11,7 +11,6 @@ import { Previews } from './previews.js';
 export const STYLE_KEYS = '1234567890';
 const LONG = 20; // letters; a longer name of a made style is cut, and complete in its title
 const WIDTH = 84, HEIGHT = 66; // of a figure, in pixels of the page
-const OTHER = ' '; // the key of a figure elsewhere; no style has this name
 const KEPT = 'styled.figures'; // whether figures are shown, in this browser
 
 interface Card {
@@ -66,14 +65,15 @@ export class Cards {
   private order = '';
   private listed: ListReply | undefined; // the present content
   private version = '';
-  private other: { style: string; canvas: HTMLCanvasElement } | undefined;
+  private readonly others = new Map<string, { style: string; canvas: HTMLCanvasElement }>(); // by keys that no style has as name
+  private made = 0; // figures elsewhere
   private lit = new Set<string>(); // cards whose fill is not empty
 
   constructor(private readonly app: App, private readonly inForce: () => Map<string, number>, private readonly menu: StyleMenu) {
     this.previews = new Previews((style) => app.client.preview(style));
     this.previews.onFilm = (style) => {
       this.paintFigure(style);
-      if (style === this.other?.style) this.paintOther();
+      this.paintOthers();
     };
     this.previews.onRefused = () => {
       this.paintKind();
@@ -118,24 +118,27 @@ export class Cards {
   }
 
   /** A figure elsewhere, whose style comes before those of the cards. */
-  readonly figure: Figure = {
-    show: (style, canvas) => {
-      if (style === this.other?.style && canvas === this.other?.canvas) return;
-      this.other = style && canvas ? { style, canvas } : undefined;
-      this.figures.hide(OTHER);
+  elsewhere(): Figure {
+    const key = ` ${++this.made}`;
+    return { show: (style, canvas) => {
+      const now = this.others.get(key);
+      if (style === now?.style && canvas === now?.canvas) return;
+      if (style && canvas) this.others.set(key, { style, canvas });
+      else this.others.delete(key);
+      this.figures.hide(key);
       canvas?.getContext('2d')?.clearRect(0, 0, canvas.width, canvas.height);
-      this.paintOther();
+      this.paintOthers();
       this.wish();
-    },
-  };
+    } };
+  }
 
-  private paintOther(): void {
-    if (!this.other) return;
-    const { style, canvas } = this.other;
-    canvas.hidden = !this.figured;
-    const film = this.figured ? this.previews.film(style) : undefined;
-    if (film) this.figures.show(OTHER, canvas, film); // until it comes, the former one is shown
-    else if (!this.figured || !this.app.info(style)) this.figures.hide(OTHER);
+  private paintOthers(): void {
+    for (const [key, { style, canvas }] of this.others) {
+      canvas.hidden = !this.figured;
+      const film = this.figured ? this.previews.film(style) : undefined;
+      if (film) this.figures.show(key, canvas, film); // until it comes, the former one is shown
+      else if (!this.figured || !this.app.info(style)) this.figures.hide(key);
+    }
   }
 
   // With or without figures.
@@ -143,7 +146,7 @@ export class Cards {
     this.grid.classList.toggle('plain', !this.figured);
     this.toggle.hidden = this.previews.refused;
     for (const name of this.cards.keys()) this.paintFigure(name);
-    this.paintOther();
+    this.paintOthers();
     this.wish();
   }
 
@@ -173,9 +176,9 @@ export class Cards {
       this.order = order;
       this.arrange(infos.map(({ name }) => name));
     }
-    this.previews.know(new Map(infos.map((info) => [info.name, `${app.version} ${textOf(info, 20)} ${slidersOf(info)}`])));
+    this.previews.know(new Map((app.list?.styles ?? []).map((info) => [info.name, `${app.version} ${textOf(info, 20)} ${slidersOf(info)}`])));
     for (const name of this.inView) this.paintFigure(name);
-    this.paintOther();
+    this.paintOthers();
     this.wish();
   }
 
@@ -257,7 +260,7 @@ export class Cards {
   }
 
   private wish(): void {
-    const others = this.other ? [this.other.style] : [];
+    const others = [...this.others.values()].map(({ style }) => style);
     this.previews.want(this.figured ? [...others, ...[...this.cards.keys()].filter((name) => this.inView.has(name))] : []);
   }
 

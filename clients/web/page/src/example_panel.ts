@@ -2,6 +2,7 @@
 import { NoAnswerError, RefusedError } from 'styled-client';
 
 import type { App } from './app.js';
+import type { Cards } from './cards.js';
 import { h, setText } from './dom.js';
 import { fileFault, outcomeOf, type Examples, type Outcome } from './examples.js';
 import { Course, type Phase } from './learn.js';
@@ -67,6 +68,31 @@ type Ask =
 function chosenMade(app: App): string {
   const mix = (app.entry()?.look?.mix ?? []).filter(({ weight }) => weight > 0);
   return mix.length === 1 && app.info(mix[0]!.style)?.made ? mix[0]!.style : '';
+}
+
+const WIDTH = 84, HEIGHT = 80; // of a figure, in pixels of the page
+
+// A new style's figure beside the neutral one's, where the weights have a neutral style.
+function besideNeutral(app: App, cards: Cards): { element: HTMLElement; show(style: string | undefined): void } {
+  const dense = Math.min(devicePixelRatio, 2);
+  const parts = ['before', 'after'].map((className) => ({
+    figure: cards.elsewhere(), words: h('figcaption', {}),
+    canvas: h('canvas', { className, width: Math.round(WIDTH * dense), height: Math.round(HEIGHT * dense), 'aria-hidden': 'true' }),
+  }));
+  const element = h('div', { className: 'beside', hidden: true }, ...parts.map(({ canvas, words }) => h('figure', {}, canvas, words)));
+  return {
+    element,
+    show(style) {
+      const neutral = app.list?.styles.find((info) => info.neutral)?.name;
+      element.hidden = style === undefined || neutral === undefined;
+      [neutral, style].forEach((name, i) => {
+        const { figure, words, canvas } = parts[i]!;
+        setText(words, name ?? '');
+        if (element.hidden) figure.show(undefined);
+        else figure.show(name, canvas);
+      });
+    },
+  };
 }
 
 // Asks for the name and the other options.
@@ -158,13 +184,14 @@ export interface ExamplePanel {
   cancel(): boolean;
 }
 
-export function examplePanel(app: App, examples: Examples): ExamplePanel {
+export function examplePanel(app: App, examples: Examples, cards: Cards): ExamplePanel {
   let lesson: Lesson | undefined;
   let busy = false;
-  const result = h('div', { className: 'result', role: 'status' });
+  const result = h('div', { className: 'result', role: 'status', tabIndex: 0, 'aria-label': 'The last example' }); // it may scroll
   const list = (className: string, title: string, lines: string[] = []) =>
     lines.length === 0 ? [] : [h('ul', { className, 'aria-label': title }, ...lines.map((line) => h('li', {}, line)))];
   let watched: Ordinary | undefined; // the style that was just made, on its wearer
+  const beside = besideNeutral(app, cards);
   const ordinary = h('p', { className: 'weak', 'data-ordinary': '' }, 'This example is ordinary motion: nothing of it will be seen. Let the performer exaggerate.');
   app.client.on('stats', ({ performers }) => {
     const now = watched?.heard(performers);
@@ -173,7 +200,8 @@ export function examplePanel(app: App, examples: Examples): ExamplePanel {
   const say = ({ text, bad, found, weak }: Outcome, made?: { performer: string; name: string }) => {
     watched = made && new Ordinary(made.performer, made.name);
     ordinary.hidden = true;
-    result.replaceChildren(h('p', {}, text), ordinary, ...list('found', 'Found in the example', found), ...list('weak', 'Weak in the example', weak));
+    beside.show(bad ? undefined : made?.name);
+    result.replaceChildren(h('p', {}, text), beside.element, ordinary, ...list('found', 'Found in the example', found), ...list('weak', 'Weak in the example', weak));
     result.classList.toggle('bad', bad);
     result.hidden = text === '';
   };

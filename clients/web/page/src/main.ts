@@ -37,14 +37,14 @@ function whole(client: StyledClient, known: string | undefined): object {
   const stage = new Stage(client);
   const record = recordPanel(app, stage);
   const examples = new Examples(app);
-  const example = examplePanel(app, examples);
   const menu = new StyleMenu(app, examples);
+  const chosen = () => stage.performers.get(app.selected);
+  const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
+  const example = examplePanel(app, examples, cards);
   const links = share(app, stage, known);
   const left = roster(app, stage, record.element, example, links.show);
   const cues = cuePanel(app);
-  const chosen = () => stage.performers.get(app.selected);
-  const cards = new Cards(app, () => chosen()?.weights ?? new Map<string, number>(), menu);
-  const byHand = designPanel(app, examples, cards.figure);
+  const byHand = designPanel(app, examples, cards.elsewhere());
   const help = keys(app, stage, left.looks, record, cues, example.cancel, byHand.redo);
 
   const bar = topBar(app, stage, help.toggle);
