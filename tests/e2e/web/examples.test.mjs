@@ -121,6 +121,13 @@ test('a clip is dropped, named, and worn; Ctrl+Z leads back', async () => {
   await said(/^Old-Man is made from Old Man\.bvh \(3\.0 s\)\. Nearest: \S+, distance \d+\.\d\d\./);
   await wears('Old-Man');
   await card('Old-Man').waitFor();
+  // Its figure moves beside the neutral one's, and no panel of the left side leaves the screen.
+  const beside = page.locator('.beside');
+  assert.equal(await beside.innerText(), await page.evaluate(() => `${globalThis.styled.app.list.styles.find(({ neutral }) => neutral).name}\nOld-Man`));
+  const inks = () => beside.locator('canvas').evaluateAll((all) => all.map((canvas) => canvas.getContext('2d')
+    .getImageData(0, 0, canvas.width, canvas.height).data.filter((value, i) => i % 4 === 3 && value > 0).length));
+  await until(async () => (await inks()).every((ink) => ink > 200), 'both figures', 20);
+  assert.ok(await page.evaluate(() => document.querySelector('.left section:last-child').getBoundingClientRect().bottom <= innerHeight + 0.5));
   await picture('liked');
   await page.keyboard.press('Control+z');
   await said(/^undone: Old-Man$/, toast);

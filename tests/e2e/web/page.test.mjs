@@ -2,20 +2,20 @@
 //   STYLED_BIN=build/release/bin CHROMIUM=/usr/bin/chromium node --test page.test.mjs
 // SCREENSHOTS: a folder for screenshots.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 
 import { makeAvatar } from './avatar.mjs';
 import { readBvh, worldPositions } from './bvh.mjs';
 import { drop, endAll, launch, patience, start, startAll, startDaemon, startWeb, takePicture, until } from './house.mjs';
 
-let browser, page, address, daemon, web;
+let browser, page, sim, address, daemon, web;
 const errors = [], downloads = [];
 
 before(async () => {
   let udp;
   ({ daemon, udp } = await startAll('[presets]\nhalf_elderly = { elderly = 0.5 }\n'));
-  start('stylesim', '--to', `udp://${udp}`, '--rate', '120');
+  sim = start('stylesim', '--to', `udp://${udp}`, '--rate', '120');
   ({ web, address } = await startWeb('127.0.0.1:0'));
   browser = await launch();
   page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
@@ -336,6 +336,57 @@ test('a video is drawn from what was recorded: 1080p, 60 pictures a second, as l
   await page.getByLabel('Formats to save').selectOption('styled');
 });
 
+test('the avatar alone is filmed on a transparent ground', async () => {
+  await page.getByLabel('Formats to save').selectOption('alone');
+  await page.locator('button.record').click();
+  await until(async () => (await recorded()) > 40, 'frames');
+  await page.locator('button.record').click();
+  await until(() => downloads.length === 1, 'the video', 240);
+  const [file] = downloads.splice(0);
+  assert.match(file.suggestedFilename(), /-alone-[\d-]+\.webm$/);
+  const bytes = readFileSync(await file.path());
+  if (process.env.SCREENSHOTS) writeFileSync(`${process.env.SCREENSHOTS}/alone.webm`, bytes);
+  const blank = await browser.newPage();
+  // Of three pictures of the browser's own decoder: the shares of clear and of opaque pixels, and a sum.
+  const seen = await blank.evaluate(async (base64) => {
+    const video = document.createElement('video');
+    const came = (event) => new Promise((resolve, reject) => {
+      video.addEventListener(event, resolve, { once: true });
+      video.addEventListener('error', () => reject(new Error('no video')), { once: true });
+    });
+    video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+    await came('loadeddata');
+    const pen = new OffscreenCanvas(video.videoWidth, video.videoHeight).getContext('2d', { willReadFrequently: true });
+    const looks = [];
+    for (const share of [0.1, 0.5, 0.9]) {
+      const sought = came('seeked');
+      video.currentTime = share * video.duration;
+      await sought;
+      pen.clearRect(0, 0, video.videoWidth, video.videoHeight);
+      pen.drawImage(video, 0, 0);
+      const { data } = pen.getImageData(0, 0, video.videoWidth, video.videoHeight);
+      let clear = 0, opaque = 0, sum = 0;
+      for (let i = 3; i < data.length; i += 4) {
+        clear += data[i] < 8;
+        opaque += data[i] > 247;
+        sum = (Math.imul(sum, 31) + data[i]) | 0;
+      }
+      const pixels = data.length / 4;
+      looks.push({ corner: data[3], clear: clear / pixels, opaque: opaque / pixels, sum });
+    }
+    return { width: video.videoWidth, height: video.videoHeight, looks };
+  }, bytes.toString('base64'));
+  await blank.close();
+  assert.deepEqual([seen.width, seen.height], [1920, 1080]);
+  for (const { corner, clear, opaque } of seen.looks) {
+    assert.ok(corner === 0 && clear > 0.8 && opaque > 0.005 && clear + opaque > 0.98, JSON.stringify(seen));
+  }
+  assert.equal(new Set(seen.looks.map(({ sum }) => sum)).size, 3, 'it moves');
+  const shown = await page.evaluate(() => globalThis.styled.stage.pictures);
+  await until(() => page.evaluate((n) => globalThis.styled.stage.pictures > n + 3, shown), 'the stage to be live again');
+  await page.getByLabel('Formats to save').selectOption('styled');
+});
+
 test('a daemon that dies ends the recording; what was got is saved', async () => {
   await listen();
   await page.locator('button.record').click();
@@ -408,6 +459,18 @@ test('whom the daemon lists is not called unknown', async () => {
   // For an unlisted name there is a message.
   await page.evaluate(() => globalThis.styled.client.subscribe('rig.nobdoy'));
   await until(() => page.evaluate(() => globalThis.said.some((text) => /found no performer rig\.nobdoy/.test(text))), 'the complaint');
+});
+
+test('the row from the rig to the reader is in order, and names the link where the rig falls silent', async () => {
+  await page.locator('[data-why]').click();
+  const links = () => page.locator('.chain li').evaluateAll((all) => all.map((link) => `${link.children[1].textContent} ${link.dataset.state}`).join());
+  await until(async () => /^Rig ok,Port ok,Body ok,.*Reader ok$/.test(await links()), 'a row that is in order');
+  await picture('why');
+  sim.kill('SIGSTOP');
+  await until(async () => /^Rig bad,Port ok,.*Reader off$/.test(await links()), 'the broken link');
+  sim.kill('SIGCONT');
+  await until(async () => /^Rig ok,Port ok,Body ok,.*Reader ok$/.test(await links()), 'the row to be in order again');
+  await page.keyboard.press('Escape');
 });
 
 test('a daemon that does not answer in time may still do what it was asked', async () => {
