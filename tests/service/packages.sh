@@ -39,7 +39,7 @@ fi
 mount -t proc proc "$root/proc"
 mounted=yes
 depends=$(for deb in "$debs"/*.deb; do dpkg-deb -f "$deb" Depends; echo; done | grep . | paste -sd, |
-  sed 's/, *styled[a-z-]* ([^)]*)//g')
+  sed -E 's/(^|,) *(lib)?styled[a-z0-9-]* \([^)]*\)//g')
 apt satisfy "$depends"
 everything() { # and whose it is
   (cd "$root" && find . -xdev \( -path ./proc -o -path ./tmp -o -path ./debs -o -path ./var/cache -o -path ./var/log \
