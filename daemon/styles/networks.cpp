@@ -18,20 +18,33 @@ namespace styled::pipeline {
 namespace {
 
 constexpr const char* kNone = "none";
-// The networks beside the main one: the key of each, and the shipped file for the shipped weights.
+// The networks beside the main one: the key of each, the shipped file that an empty value means,
+// and whether it means that beside other weights than the shipped ones, too: only a file that may
+// be used commercially does not change what may be done with them.
 struct Beside {
   const char* key;
   const char* shipped;
   std::string config::Model::*file;
+  bool with_others;
 };
-constexpr std::array kBeside{Beside{"examples", "graph", &config::Model::examples},
-                             Beside{"gaits", "open", &config::Model::gaits}};
+constexpr std::array kBeside{Beside{"examples", "graph", &config::Model::examples, false},
+                             Beside{"gaits", "open", &config::Model::gaits, true}};
 
 bool Rounds(const config::Model& model) { return model.precision != "float32"; }
 
 // The suffix of the file name when the weights are rounded; "" when they are not.
 std::string RoundedTo(const config::Model& model, std::span<const std::byte> bytes) {
   return Rounds(model) && net::CanBeRounded(bytes) ? " in " + model.precision : "";
+}
+
+// Whether an empty value of that key means its shipped file beside `main`: the shipped weights, or
+// others that make no styles from examples by themselves. A file that cannot be read is not
+// reported here, but where it is loaded.
+bool MeansShipped(const Beside& beside, const std::filesystem::path& main) {
+  if (net::IsShippedDefault(main)) return true;
+  if (!beside.with_others) return false;
+  const auto bytes = net::ReadFile(main);
+  return bytes.ok() && !net::KnowsStyleSpace(bytes.value());
 }
 
 }  // namespace
@@ -44,8 +57,7 @@ Result<std::vector<std::filesystem::path>> FindWeightsFiles(const config::Model&
   for (const Beside& beside : kBeside) {
     const std::string& wanted = model.*beside.file;
     if (wanted == kNone) continue;
-    // Beside other weights only what is named, because licences may differ.
-    if (wanted.empty() && !net::IsShippedDefault(main.value())) continue;
+    if (wanted.empty() && !MeansShipped(beside, main.value())) continue;
     const auto found = net::FindWeights(wanted.empty() ? beside.shipped : wanted);
     if (!found.ok() && wanted.empty()) continue;  // not installed
     if (!found.ok()) {

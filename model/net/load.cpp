@@ -50,6 +50,11 @@ const Family* FindFamily(const std::string& name) {
   return found == kFamilies.end() ? nullptr : found;
 }
 
+const Family* FamilyOf(std::span<const std::byte> bytes) {
+  const Result<WeightsFile> file = ParseWeights(bytes, "");
+  return file.ok() ? FindFamily(file.value().model.family) : nullptr;
+}
+
 Result<WeightsFile> ParseFor(Precision precision, std::span<const std::byte> bytes,
                              const std::string& name) {
   Result<WeightsFile> file = ParseWeights(bytes, name);
@@ -99,9 +104,13 @@ Precision PrecisionNamed(std::string_view name) {
 }
 
 bool CanBeRounded(std::span<const std::byte> bytes) {
-  const Result<WeightsFile> file = ParseWeights(bytes, "");
-  const Family* const family = file.ok() ? FindFamily(file.value().model.family) : nullptr;
+  const Family* const family = FamilyOf(bytes);
   return family != nullptr && family->rounds;
+}
+
+bool KnowsStyleSpace(std::span<const std::byte> bytes) {
+  const Family* const family = FamilyOf(bytes);
+  return family != nullptr && family->space;
 }
 
 Result<AnyStylizer> LoadAny(const std::filesystem::path& file, Precision precision) {

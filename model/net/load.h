@@ -34,6 +34,9 @@ Precision PrecisionNamed(std::string_view name);  // one of kPrecisions
 
 // Whether the file's family is one whose weights can be rounded; false if it is not a weights file.
 bool CanBeRounded(std::span<const std::byte> bytes);
+// Whether the file's family knows a space of styles, from which examples and variations come; false
+// if it is not a weights file.
+bool KnowsStyleSpace(std::span<const std::byte> bytes);
 
 // A network of either kind; exactly one is set.
 struct AnyStylizer {

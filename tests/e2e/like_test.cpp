@@ -5,6 +5,8 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <thread>
 
 #include "tests/e2e/examples.h"
@@ -311,6 +313,36 @@ TEST(LikeWithoutExamples, WeightsThatKnowTheirListAloneAreNamed) {
       "like: the weights of family \"style-erd\" have no style encoder; in the configuration "
       "model.gaits = \"open\" adds one for walks and runs, model.examples = \"graph\" one for all "
       "motion");
+}
+
+// As a user who trained a network meets it: the shipped weights open are beside it, and make the
+// styles.
+TEST(LikeWithoutExamples, WithOpenBesideThemTheyAreLikedAndVaried) {
+  Daemon daemon({"model.gaits="});
+  ControlClient control(daemon.control);
+  v1::Request request;
+  request.mutable_like()->set_name("mine");
+  request.mutable_like()->set_clip(WalkBvh(120, 8));
+  const v1::Reply liked = control.Ask(request);
+  ASSERT_EQ(liked.code(), v1::CODE_OK) << liked.reason();
+  request.Clear();
+  request.mutable_list();
+  std::map<std::string, v1::StyleInfo> styles;
+  for (const v1::StyleInfo& style : control.Ask(request).list().styles())
+    styles[style.name()] = style;
+  EXPECT_TRUE(styles.contains("style1") && styles.contains("zombie"));
+  EXPECT_TRUE(styles["mine"].made() && styles["zombie"].varies());
+  EXPECT_FALSE(styles["style1"].varies());
+  request.Clear();
+  request.set_performer("rig.a");
+  request.mutable_set()->set_vary(7);
+  v1::StyleWeight& style = *request.mutable_set()->add_mix();
+  style.set_style("zombie");
+  style.set_weight(1);
+  const v1::Reply varied = control.Ask(request);
+  EXPECT_EQ(varied.code(), v1::CODE_OK) << varied.reason();
+  ASSERT_EQ(varied.applied_size(), 1);
+  EXPECT_EQ(varied.applied(0).not_varied(), "");
 }
 
 }  // namespace

@@ -57,8 +57,8 @@ void Daemon::Start() {
                                      "--ready-file",
                                      ready};
   std::vector<std::string> settings{"realtime.lock_memory=false", "performers.backlog_ms=10000",
-                                    "performers.stale_ms=3000", "performers.takeover_ms=1000",
-                                    "realtime.relieve=false"};
+                                    "performers.stale_ms=3000",   "performers.takeover_ms=1000",
+                                    "realtime.relieve=false",     "model.gaits=none"};
   settings.insert(settings.end(), settings_.begin(), settings_.end());
   for (const auto& setting : settings) {
     arguments.emplace_back("--set");

@@ -15,8 +15,8 @@ struct WeightsFile;
 namespace styled::support {
 
 // The real `styled` as a child process. All ports are chosen by the system, the weights are random
-// (styles "neutral", "style1" ... "style4", aliases "s1" ...), and the sources are UDP "rig" and
-// TCP "tcp".
+// (styles "neutral", "style1" ... "style4", aliases "s1" ...) without the shipped "open" beside
+// them, and the sources are UDP "rig" and TCP "tcp".
 class Daemon {
  public:
   // `settings` as for --set: "performers.stale_ms=100". By default the time limits are so wide that
