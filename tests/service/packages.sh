@@ -106,8 +106,8 @@ count=$(ls "$debs"/*.deb | wc -l)
 check "all are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev}\n' 'styled*' '*-styled' 'libstyled*' | grep -c '^ii')" "$count"
 check "the group is there" "$(inside getent group styled | cut -d: -f1)" styled
 check "nothing is enabled" "$(find "$root/etc/systemd" -name '*style*' | wc -l)" 0
-check "the weights are there" "$(cd "$root/usr/share/styled/weights" && echo *)" \
-  "graph.safetensors open.safetensors st-gcn.safetensors v2.safetensors"
+check "the weights are there, each with its licence" "$(cd "$root/usr/share/styled/weights" && echo *)" \
+  "$(for name in graph open st-gcn v2; do echo "$name.safetensors $name.safetensors.license"; done | paste -sd' ')"
 check "the weights' licences are told" "$(cd "$root/usr/share/doc" && grep -h '^License: CC' styled/copyright styled-weights-nc/copyright | sort | uniq -c | tr -s ' ' | paste -sd,)" \
   " 2 License: CC-BY-4.0, 3 License: CC-BY-NC-4.0"
 check "the configuration is good" "$(inside styled --check-config /etc/styled/styled.toml)" "/etc/styled/styled.toml: ok"
