@@ -54,7 +54,12 @@ export class PerformerOnStage {
   weights = new Map<string, number>();
   missed = 0;
   private readonly anchor = new Vector3();
+  // The avatar's own: the canonical body, and so its path, has another size than the rig's. Without it, an avatar would
+  // leave its floor, or OBS's picture, on a long way.
+  private readonly avatarAnchor = new Vector3();
+  private readonly wearer = new Group();
   private anchored = false;
+  private avatarAnchored = false;
   private readonly end: (() => void)[];
   private endCanonical: (() => void) | undefined;
   private apart = APART_M;
@@ -73,6 +78,7 @@ export class PerformerOnStage {
       role.floor.world.add(role.props.group);
       this.group.add(role.floor.group);
     }
+    this.roles.after.floor.world.add(this.wearer);
     this.end = [client.subscribeLatest(name, 'source'), client.subscribeLatest(name, 'rig')];
   }
 
@@ -88,7 +94,8 @@ export class PerformerOnStage {
     this.takeOff()?.dispose();
     this.avatar = avatar;
     if (!avatar) return;
-    this.roles.after.floor.world.add(avatar.group);
+    this.avatarAnchored = false;
+    this.wearer.add(avatar.group);
     this.endCanonical = this.client.subscribeLatest(this.name, 'canonical');
   }
 
@@ -137,7 +144,7 @@ export class PerformerOnStage {
 
   /** The next pose is unrelated to the last one. */
   rewind(): void {
-    this.settled = this.anchored = false;
+    this.settled = this.anchored = this.avatarAnchored = false;
     for (const { floor } of [this.roles.before, this.roles.after]) floor.restart();
     this.avatar?.rewind();
   }
@@ -148,6 +155,12 @@ export class PerformerOnStage {
     if (hips) {
       const follow = this.anchored && hips.distanceTo(this.anchor) < 2 ? 1 - Math.exp(-dt_s / ANCHOR_S) : 1;
       this.anchor.lerp(hips, follow);
+      if (this.avatar?.ready) {
+        const { avatarAnchor: own, avatar: { group: { position } } } = this;
+        own.lerp(position, this.avatarAnchored && position.distanceTo(own) < 2 ? follow : 1);
+        this.wearer.position.set(this.anchor.x - own.x, 0, this.anchor.z - own.z);
+        this.avatarAnchored = true;
+      }
       this.anchored = true;
     }
     const move = this.settled ? 1 - Math.exp(-dt_s / MOVE_S) : 1;

@@ -102,3 +102,32 @@ test('an avatar that is taken off outlives its performer; one that is worn does 
   second.dispose();
   assert.ok(disposed > 0);
 });
+
+test('an avatar stays on its floor, however far the performer goes and whatever its size', async () => {
+  const avatar = await load();
+  const updates = {};
+  const client = { subscribeLatest: () => () => {}, latest: (_, stream) => updates[stream] };
+  const performer = new PerformerOnStage('rig.a', client, FINE);
+  performer.setAvatar(avatar);
+  const rig = makeBody(), canonical = bodyOf(TRUNK);
+  let sequence = 0;
+  const walk = (seconds) => {
+    for (const end = sequence + 120 * seconds; sequence < end; ++sequence) {
+      const way_m = sequence / 120;
+      for (const stream of ['source', 'rig']) updates[stream] = { body: rig, frame: makeFrame(rig, sequence, { rootPosition: [way_m, 1, 0] }) };
+      updates.canonical = { body: canonical, frame: frameOf(canonical, {}, { rootPosition: [0.8 * way_m, 0.9, 0] }) };
+      performer.take();
+      performer.draw({ overlay: false, trails: true, contacts: true, alone: true, props: false }, true, 1 / 120);
+    }
+    performer.group.updateMatrixWorld(true);
+    return avatar.place('hips');
+  };
+  for (const seconds of [1, 19]) assert.ok(Math.abs(walk(seconds).x) < 0.2, `${avatar.place('hips').x} m from its floor after ${sequence / 120} m`);
+  // Another avatar, in the middle of the way.
+  const other = await load();
+  performer.setAvatar(other);
+  sequence += 1;
+  walk(1 / 120);
+  assert.ok(Math.abs(other.place('hips').x) < 0.2);
+  performer.dispose();
+});
