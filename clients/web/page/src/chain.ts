@@ -1,5 +1,5 @@
-// The way of a performer's frames as a row of links, from the rig to this page: each is in order, or says what cures
-// it. Pure; pinned by test/chain.test.mjs.
+// The way of a performer's frames as a row of links, from the rig to this page: each is in order, or states its cure.
+// Pure; pinned by test/chain.test.mjs.
 import { type PerformerStats, type SourceInfo, type Stats } from 'styled-client';
 
 import { KNOWN, PHONES, SILENT, UNHEARD, reasonOf } from './findings.js';
@@ -84,7 +84,7 @@ function readerOf(now: Stats, before: Stats | undefined, entry: PerformerStats |
   return { name, state: 'ok', text: `this page${arrived === undefined ? '' : ` gets ${arrived} frames a second`}; ${topics} topics are read in all` };
 }
 
-/** `performer`: '' while nobody performs. `before`: the statistics of about a second earlier, and `arrived`: the
+/** `performer`: '' without a performer. `before`: the statistics of about a second earlier, and `arrived`: the
 frames that reached this page since, if that is known. */
 export function chainOf(now: Stats, before: Stats | undefined, performer: string, arrived: number | undefined): Link[] {
   const old = before?.epoch === now.epoch ? before : undefined;
