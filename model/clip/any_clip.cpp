@@ -49,6 +49,12 @@ Result<AnyClip> ReadAnyClip(const std::filesystem::path& file, const ReadLimits&
   const auto first = opened.value().Read(0, kFirstBytes);
   if (!first.ok()) return first.status();
   if (!IsGltfBinary(first.value()) && OtherFormat(first.value()).empty()) {
+    const std::string kind = file.extension().string();
+    const bool is_bvh = std::string_view(first.value()).find("HIERARCHY") != std::string_view::npos;
+    if ((kind == ".glb" || kind == ".vrma") && !is_bvh) {
+      return Status::Error(file.string() + ": found a " + kind + " that does not begin as glTF" +
+                           kExpectedClip);
+    }
     return Of(ReadBvh(file, limits));
   }
   const auto bytes = opened.value().Read(0, kMaxBytes);

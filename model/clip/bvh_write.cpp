@@ -1,5 +1,6 @@
 // WriteBvh and FormatBvh: rotations become Euler angles again, continuous along the clip.
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +8,7 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "model/base/text.h"
 #include "model/clip/clip.h"
@@ -224,7 +226,8 @@ Status WriteBvh(const Clip& clip, const std::filesystem::path& file) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),
                                                          &std::fclose);
   if (!stream) {
-    return Status::Error(file.string() + ": cannot be opened for writing, expected a file");
+    return Status::Error(file.string() + ": cannot be opened for writing: " +
+                         std::generic_category().message(errno));
   }
   const std::string text = FormatBvh(clip);
   const bool written = std::fwrite(text.data(), 1, text.size(), stream.get()) == text.size();

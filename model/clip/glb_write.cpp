@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include "model/base/text.h"
@@ -406,7 +408,8 @@ Status WriteBytes(std::span<const std::byte> value, const std::filesystem::path&
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"),
                                                          &std::fclose);
   if (!stream) {
-    return Status::Error(file.string() + ": cannot be opened for writing, expected a file");
+    return Status::Error(file.string() + ": cannot be opened for writing: " +
+                         std::generic_category().message(errno));
   }
   const bool written = std::fwrite(value.data(), 1, value.size(), stream.get()) == value.size();
   if (std::fclose(stream.release()) != 0 || !written) {

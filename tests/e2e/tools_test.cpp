@@ -608,6 +608,9 @@ TEST_F(ToolsTest, BadArgumentsEndWithTwoAndBadFilesWithOne) {
   EXPECT_EQ(Run({STYLESIM_BINARY, "--to", "tcp://127.0.0.1:1"}), 1) << "no program listens there";
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "zombie", in, out}), 2);
   EXPECT_NE(output_.find("unknown style 'zombie'"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("; with --weights open there is one"), std::string::npos) << output_;
+  EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "nobody-has-it", in, out}), 2);
+  EXPECT_EQ(output_.find("there is one"), std::string::npos) << output_;
   WriteText(in, "HIERARCHY\n");
   EXPECT_EQ(Run({STYLIZE_BINARY, "--style", "elderly", in, out}), 1);
   EXPECT_NE(output_.find(in + ":2: found the end, expected ROOT"), std::string::npos) << output_;

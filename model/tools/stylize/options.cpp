@@ -224,7 +224,9 @@ Status CheckFiles(const Arguments& arguments) {
   }
   if (sheet_alone && count > 0) return CheckPreview(arguments);
   if (count == 0 || (arguments.out.empty() && count == 1)) {
-    return Status::Error("expected an input and an output file; see --help");
+    return Status::Error(
+        "expected an input and an output file, or, for a folder, --out and a pattern for all "
+        "outputs, e.g. --out 'out/{name}-{style}.bvh'; see --help");
   }
   if (arguments.out.empty() && count > 2) {
     return Status::Error(

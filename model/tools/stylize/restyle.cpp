@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "model/base/text.h"
 #include "model/body/pose.h"
 #include "model/feet/tuning.h"
+#include "model/net/safetensors.h"
 #include "model/net/shipped_weights.h"
+#include "model/net/weights_file.h"
 #include "model/offline/frames.h"
 #include "model/offline/learn_neutral.h"
 #include "model/stylist/avatar.h"
@@ -22,6 +26,23 @@
 
 namespace styled::stylize {
 namespace {
+
+// For an error about a style that these weights lack: shipped weights that have it, else "".
+std::string Elsewhere(const std::string& style) {
+  const auto shipped = net::FindWeights("");
+  if (!shipped.ok()) return "";
+  std::vector<std::filesystem::path> files = net::OtherShippedWeights(shipped.value());
+  files.push_back(shipped.value());
+  for (const std::filesystem::path& file : files) {
+    const auto bytes = net::ReadFile(file);
+    if (!bytes.ok()) continue;
+    const auto weights = net::ParseWeights(bytes.value(), file.string());
+    if (weights.ok() && net::FindStyle(weights.value().model.styles, style) >= 0) {
+      return "; with --weights " + file.stem().string() + " there is one";
+    }
+  }
+  return "";
+}
 
 // Adds the style that `text` names to the mix. Neutral adds no entry unless the input style is
 // another.
@@ -387,7 +408,7 @@ Result<Weighted> FindWeighted(const net::Styles& styles, const std::string& text
   const int style = net::FindStyle(styles, name);
   if (style >= 0) return Weighted{style, weight};
   return Status::Error(std::string(option) + ": unknown style '" + name + "'; expected one of " +
-                       StyleNames(styles));
+                       StyleNames(styles) + Elsewhere(name));
 }
 
 Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles) {

@@ -1,11 +1,13 @@
 #include "model/tools/stylize/sheet.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "model/base/text.h"
@@ -132,7 +134,10 @@ Status Sheet::Write(const std::string& file) const {
   const bool good = stream &&
                     std::fwrite(page.data(), 1, page.size(), stream.get()) == page.size() &&
                     std::fflush(stream.get()) == 0;
-  return good ? Status::Ok() : Status::Error(file + ": cannot be written");
+  const int reason = errno;
+  return good ? Status::Ok()
+              : Status::Error(file +
+                              ": cannot be written: " + std::generic_category().message(reason));
 }
 
 }  // namespace styled::stylize

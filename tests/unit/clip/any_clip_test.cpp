@@ -59,6 +59,22 @@ TEST(AnyClip, RefusesOtherFormatsByName) {
   }
 }
 
+// Its name says glTF: a complaint about BVH would mislead. A BVH of that name is read.
+TEST(AnyClip, AFileThatIsNoGltfDespiteItsNameIsNotCalledABadBvh) {
+  const support::TemporaryFolder folder;
+  for (const char* name : {"walk.glb", "walk.vrma"}) {
+    std::ofstream(folder / name) << "torn";
+    EXPECT_THAT(ReadAnyClip(folder / name).status().message(),
+                HasSubstr("that does not begin as glTF, expected BVH, glTF binary (.glb) or VRMA"));
+    std::ofstream(folder / name)
+        << "HIERARCHY\nROOT Hips\n{\nOFFSET 0 90 0\nCHANNELS 6 Xposition Yposition Zposition "
+           "Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 10 0\n}\n}\n"
+           "MOTION\nFrames: 1\nFrame Time: 0.033333\n0 90 0 0 0 0\n";
+    const auto read = ReadAnyClip(folder / name);
+    EXPECT_TRUE(read.ok()) << read.status().message();
+  }
+}
+
 TEST(AnyClip, GltfStatesItsAxesAndHowItStands) {
   const auto clip = ParseAnyClip(GlbBytes(NamedWalk()), "walk.glb");
   ASSERT_TRUE(clip.ok()) << clip.status().message();

@@ -81,7 +81,7 @@ TEST(WriteBvh, RefusesAnEmptyClipARateOutOfRangeAndAPlaceThatCannotBeWritten) {
   EXPECT_THAT(WriteBvh(Clip(), "/tmp/x.bvh").message(), HasSubstr("without joints or frames"));
   Clip clip = Wandering("zxy", 1, 2);
   EXPECT_THAT(WriteBvh(clip, "/nonexistent/x.bvh").message(),
-              HasSubstr("cannot be opened for writing"));
+              HasSubstr("cannot be opened for writing: No such file or directory"));
   for (double bad : {0.0, -30.0, 1e9, std::nan("")}) {
     clip.rate_hz = bad;
     EXPECT_THAT(WriteBvh(clip, "/tmp/x.bvh").message(), HasSubstr("expected 1 to 1000"));
