@@ -59,6 +59,14 @@ Commercial CommercialUse(std::string_view licence) {
   return std::ranges::any_of(kAllowing, begins) ? Commercial::kYes : Commercial::kUnknown;
 }
 
+std::string BothLicences(const std::string& one, const std::string& other) {
+  if (other.empty() || ("; " + one + "; ").find("; " + other + "; ") != std::string::npos)
+    return one;
+  if (one.empty()) return other;
+  // The first decides unless a later one forbids it.
+  return CommercialUse(one) == Commercial::kYes ? other + "; " + one : one + "; " + other;
+}
+
 std::string TermsText(const Terms& terms) {
   if (terms.licence.empty()) return terms.file + ": gives no licence";
   const std::string text = terms.file + ": licence " + terms.licence;

@@ -15,6 +15,10 @@ enum class Commercial { kUnknown, kNo, kYes };
 // "MIT"); several are separated by ";". Only the first may be followed by other text after a ";".
 Commercial CommercialUse(std::string_view licence);
 
+// The licence of weights that come from two things with a licence each: both, so ordered that
+// CommercialUse is that of the stricter one. What is in `one` already, or "", adds nothing.
+std::string BothLicences(const std::string& one, const std::string& other);
+
 // The terms of one file of weights.
 struct Terms {
   std::string file;     // its name, "v2.safetensors"

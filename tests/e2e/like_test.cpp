@@ -328,8 +328,8 @@ TEST(LikeWithoutExamples, WithOpenBesideThemTheyAreLikedAndVaried) {
   request.Clear();
   request.mutable_list();
   std::map<std::string, v1::StyleInfo> styles;
-  for (const v1::StyleInfo& style : control.Ask(request).list().styles())
-    styles[style.name()] = style;
+  const v1::Reply listed = control.Ask(request);
+  for (const v1::StyleInfo& style : listed.list().styles()) styles[style.name()] = style;
   EXPECT_TRUE(styles.contains("style1") && styles.contains("zombie"));
   EXPECT_TRUE(styles["mine"].made() && styles["zombie"].varies());
   EXPECT_FALSE(styles["style1"].varies());

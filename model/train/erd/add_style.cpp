@@ -92,8 +92,10 @@ std::unique_ptr<Generator> WithStyles(const Generator& base, const Generator& fe
 }
 
 std::string WithStyles(const std::string& base, const std::vector<clip::ManifestStyle>& styles,
-                       const std::vector<int64_t>& places, const std::string& training) {
+                       const std::vector<int64_t>& places, const std::string& training,
+                       const std::string& licence) {
   Json json = Json::parse(base);
+  json["licence"] = licence;
   for (std::size_t i = 0; i < places.size(); ++i) {
     json["styles"][static_cast<std::size_t>(places[i])] =
         Json{{"name", styles[i].name}, {"aliases", styles[i].aliases}};

@@ -30,8 +30,9 @@ std::unique_ptr<Generator> WithStyles(const Generator& base, const Generator& fe
                                       const std::vector<int64_t>& places, const torch::Tensor& mean,
                                       const torch::Tensor& deviation);
 // The metadata for it: `styles`, names and aliases, at `places`; `training`, a JSON object, is
-// appended to the list "added" in the record of base's training.
+// appended to the list "added" in the record of base's training. `licence`: of the result.
 std::string WithStyles(const std::string& base, const std::vector<clip::ManifestStyle>& styles,
-                       const std::vector<int64_t>& places, const std::string& training);
+                       const std::vector<int64_t>& places, const std::string& training,
+                       const std::string& licence);
 
 }  // namespace styled::train::style_erd

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "model/net/licence.h"
 #include "model/net/load.h"
 #include "model/train/checkpoint.h"
 #include "model/train/device.h"
@@ -151,13 +152,17 @@ std::string StyleErdRecipe::Metadata(double wall_time_s) const {
                           {"iterations", learner_.iteration()},
                           {"wall_time_s", std::round(wall_time_s)}};
   const std::vector<clip::ManifestStyle>& styles = manifest().styles;
+  std::string licence = manifest().licence;
+  nlohmann::json init;  // the metadata of the weights to begin with
+  if (inputs_.init) {
+    init = nlohmann::json::parse(inputs_.init->metadata);
+    licence = net::BothLicences(init.value("licence", ""), licence);
+  }
   if (!inputs_.places.empty()) {
     return WithStyles(inputs_.init->metadata, {styles.begin() + 1, styles.end()}, inputs_.places,
-                      training.dump());
+                      training.dump(), licence);
   }
-  if (inputs_.init) {
-    training["from"] = nlohmann::json::parse(inputs_.init->metadata)["training"];
-  }
+  if (inputs_.init) training["from"] = init["training"];
   WeightsMetadata metadata;
   for (const clip::ManifestStyle& style : styles) {
     metadata.styles.emplace_back(style.name, style.aliases);
@@ -168,7 +173,7 @@ std::string StyleErdRecipe::Metadata(double wall_time_s) const {
     metadata.contents = manifest().contents;
     metadata.content_rise_s = config_.content_rise_s;
   }
-  metadata.licence = manifest().licence;
+  metadata.licence = licence;
   metadata.training = training.dump();
   return metadata.ToJson(learner_.average().shape);
 }

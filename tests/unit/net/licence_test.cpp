@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/temporary_folder.h"
 
@@ -24,6 +25,24 @@ TEST(Licence, TellsWhetherACompanyMayUseIt) {
   }
   for (const char* unknown : {"", "mine", "none", "see LICENSE", "NCSA", "proprietary"}) {
     EXPECT_EQ(CommercialUse(unknown), Commercial::kUnknown) << unknown;
+  }
+}
+
+TEST(Licence, OfTwoThingsIsBothAndAsStrictAsTheStricter) {
+  const std::vector<std::string> all{"CC BY 4.0", "CC BY-NC 4.0", "mine"};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(BothLicences(all[i], ""), all[i]);
+    EXPECT_EQ(BothLicences("", all[i]), all[i]);
+    EXPECT_EQ(BothLicences(all[i], all[i]), all[i]);
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      const std::string both = BothLicences(all[i], all[j]);
+      const bool forbidden = i == 1 || j == 1;
+      const auto expected = forbidden
+                                ? Commercial::kNo
+                                : (i == 0 && j == 0 ? Commercial::kYes : Commercial::kUnknown);
+      EXPECT_EQ(CommercialUse(both), expected) << both;
+      EXPECT_EQ(BothLicences(both, all[j]), both) << "it is there already";
+    }
   }
 }
 
