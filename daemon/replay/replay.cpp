@@ -425,7 +425,15 @@ Result<config::Config> ConfigOf(const recording::Reader& reader,
                          ": contains no configuration; expected --config with the one that it was "
                          "recorded under");
   }
-  return config::Parse(reader.header().config(), reader.name() + ": its configuration", overrides);
+  auto config =
+      config::Parse(reader.header().config(), reader.name() + ": its configuration", overrides);
+  // A recording without `open` beside its weights is replayed without, unless it is named.
+  const std::string& weights = reader.header().weights();
+  if (config.ok() && config.value().model.gaits.empty() && !weights.empty() &&
+      weights.find("open.safetensors") == std::string::npos) {
+    config.value().model.gaits = "none";
+  }
+  return config;
 }
 
 Status Replay(recording::Reader& reader, const config::Config& config,
