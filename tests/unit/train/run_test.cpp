@@ -175,6 +175,7 @@ std::filesystem::path WithNewStyle(const std::filesystem::path& root, bool odd_t
   const std::string odd = "{ name = \"odd\", labels = [\"odd\"], aliases = [\"strange\"] }";
   const std::string added = "{ name = \"new\", labels = [\"new\"], aliases = [\"fresh\"] }";
   text.replace(text.find(odd), odd.size(), odd_too ? odd + ", " + added : added);
+  text.replace(text.find("\"none\""), 6, "\"of the new clips\"");
   text += "[[clips]]\npattern = \"more/{content}_{style}_{take}.bvh\"\nrig = \"canonical\"\n";
   const std::filesystem::path file = root / "more.toml";
   std::ofstream(file) << text;
@@ -239,6 +240,7 @@ TEST_F(Run, ARunStartsFromWeights) {
   const auto after = ReadWeights(root_ / "second" / "weights.safetensors");
   ASSERT_TRUE(before.ok() && after.ok()) << after.status().message();
   EXPECT_THAT(after.value().styles, testing::ElementsAre("neutral", "odd", "new"));
+  EXPECT_THAT(after.value().metadata, testing::HasSubstr("\"licence\":\"none; of the new clips\""));
   EXPECT_TRUE(torch::equal(before.value().mean, after.value().mean));
   const auto decode = [](const LoadedWeights& weights, int64_t style) {
     const torch::NoGradGuard no_grad;
@@ -312,6 +314,7 @@ TEST_F(AddedStyle, LearnsAndTheOthersStayBitForBit) {
 
   EXPECT_EQ(Styled(config.init, "odd"), Styled(file, "odd"));
   EXPECT_NE(Styled(file, "fresh"), Styled(file, "odd")) << "nothing was learned";
+  EXPECT_EQ(erd::Network::Load(file).value()->model().licence, "none; of the new clips");
   config.resume = true;
   config.iterations = 20;
   Check(Train(config));
