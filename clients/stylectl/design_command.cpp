@@ -66,10 +66,30 @@ bool SetSlider(const std::string& text, v1::Design& design) {
   return true;
 }
 
+// A style by hand is of one performer: the only one that is live, where none is named. Else a usage
+// error.
+int ChoosePerformer(Session& session) {
+  v1::StatusReply status;
+  const client::CallStatus asked = session.control().Status(&status);
+  if (!asked.ok()) return session.Fail(asked);
+  std::vector<std::string> live;
+  for (const auto& performer : status.stats().performers()) {
+    if (performer.live()) live.push_back(performer.performer());
+  }
+  if (live.size() == 1) {
+    session.performer = live.front();
+    return kExitOk;
+  }
+  std::string here = live.empty() ? "no performer is live" : "here are:";
+  for (const std::string& name : live) here += " " + name;
+  return session.Usage("design: a style by hand is of one performer, expected SOURCE.NAME; " +
+                       here);
+}
+
 int DesignStyle(Session& session, const DesignArguments& arguments) {
   if (arguments.list) return ListSliders(session);
-  if (session.performer == client::kEveryone || session.performer.find('=') != std::string::npos) {
-    return session.Usage("design: expected PERFORMER, SOURCE.NAME, before the sliders");
+  if (session.performer == client::kEveryone) {
+    if (const int code = ChoosePerformer(session); code != kExitOk) return code;
   }
   v1::Like request;
   v1::Design& design = *request.mutable_design();

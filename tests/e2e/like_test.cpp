@@ -317,7 +317,7 @@ TEST(LikeWithoutExamples, WeightsThatKnowTheirListAloneAreNamed) {
 
 // As a user who trained a network meets it: the shipped weights open are beside it, and make the
 // styles.
-TEST(LikeWithoutExamples, WithOpenBesideThemTheyAreLikedAndVaried) {
+TEST(LikeWithoutExamples, WithOpenBesideThemStylesAreMadeOfExamples) {
   Daemon daemon({"model.gaits="});
   ControlClient control(daemon.control);
   v1::Request request;
@@ -331,18 +331,7 @@ TEST(LikeWithoutExamples, WithOpenBesideThemTheyAreLikedAndVaried) {
   const v1::Reply listed = control.Ask(request);
   for (const v1::StyleInfo& style : listed.list().styles()) styles[style.name()] = style;
   EXPECT_TRUE(styles.contains("style1") && styles.contains("zombie"));
-  EXPECT_TRUE(styles["mine"].made() && styles["zombie"].varies());
-  EXPECT_FALSE(styles["style1"].varies());
-  request.Clear();
-  request.set_performer("rig.a");
-  request.mutable_set()->set_vary(7);
-  v1::StyleWeight& style = *request.mutable_set()->add_mix();
-  style.set_style("zombie");
-  style.set_weight(1);
-  const v1::Reply varied = control.Ask(request);
-  EXPECT_EQ(varied.code(), v1::CODE_OK) << varied.reason();
-  ASSERT_EQ(varied.applied_size(), 1);
-  EXPECT_EQ(varied.applied(0).not_varied(), "");
+  EXPECT_TRUE(styles["mine"].made());
 }
 
 }  // namespace

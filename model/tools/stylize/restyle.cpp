@@ -31,14 +31,15 @@ namespace {
 std::string Elsewhere(const std::string& style) {
   const auto shipped = net::FindWeights("");
   if (!shipped.ok()) return "";
-  std::vector<std::filesystem::path> files = net::OtherShippedWeights(shipped.value());
-  files.push_back(shipped.value());
-  for (const std::filesystem::path& file : files) {
+  std::vector<std::filesystem::path> names = net::OtherShippedWeights(shipped.value());
+  names.push_back(shipped.value().filename());
+  for (const std::filesystem::path& name : names) {
+    const std::filesystem::path file = shipped.value().parent_path() / name;
     const auto bytes = net::ReadFile(file);
     if (!bytes.ok()) continue;
     const auto weights = net::ParseWeights(bytes.value(), file.string());
     if (weights.ok() && net::FindStyle(weights.value().model.styles, style) >= 0) {
-      return "; with --weights " + file.stem().string() + " there is one";
+      return "; with --weights " + name.stem().string() + " there is one";
     }
   }
   return "";

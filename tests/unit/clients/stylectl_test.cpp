@@ -171,6 +171,16 @@ TEST_F(StylectlTest, ListAndStatusAreShortAndAligned) {
   EXPECT_TRUE(Says("source.zero"));
 }
 
+TEST_F(StylectlTest, ADesignIsOfTheOnlyLivePerformerWhereNoneIsNamed) {
+  for (const auto& named : {std::vector<std::string>{"design"}, {"design", "*"}}) {
+    std::vector<std::string> arguments = named;
+    arguments.insert(arguments.end(), {"--preset", "sneaky"});
+    EXPECT_EQ(Run(arguments), 0) << err_.str();
+    EXPECT_EQ(last_.performer(), "rig.anna") << "cam.zed is silent";
+    EXPECT_EQ(last_.like().design().preset(), "sneaky");
+  }
+}
+
 TEST_F(StylectlTest, LicencesSayWhatACompanyMayUseAndWhomItCredits) {
   EXPECT_EQ(Run({"licences"}), kExitOk);
   EXPECT_EQ(out_.str(),
