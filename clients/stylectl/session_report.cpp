@@ -97,7 +97,10 @@ Session::Hint Session::Explain(const CallStatus& status) {
       ExplainPerformer(hint);
       break;
     case v1::CODE_PINNED:
-      hint.expected = "first: stylectl unpin " + performer;
+      // `*` would unpin everybody: the error names the performers.
+      hint.expected = performer == client::kEveryone
+                          ? "first: stylectl unpin SOURCE.NAME of each of these"
+                          : "first: stylectl unpin " + performer;
       break;
     default:
       break;

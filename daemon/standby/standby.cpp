@@ -125,9 +125,9 @@ void Standby::SetSetup(v1::Setup setup) {
 }
 
 void Standby::CompareSetups() {
-  differs_.clear();
+  const std::vector<std::string> before = std::exchange(differs_, {});
   if (!peer_setup_known_) return;
-  std::map<std::string_view, std::string_view> there;
+  std::multimap<std::string_view, std::string_view> there;  // cues may share a name; in their order
   for (const v1::Setting& setting : peer_setup_.settings()) {
     there.emplace(setting.name(), setting.value());
   }
@@ -135,9 +135,9 @@ void Standby::CompareSetups() {
     if (differs_.size() < kMostDiffers) differs_.push_back(Printable(name, kQuoted) + ": " + how);
   };
   for (const v1::Setting& here : setup_.settings()) {
-    const auto found = there.find(here.name());
+    const auto found = there.lower_bound(here.name());
     const std::string value = Printable(here.value(), kQuoted) + " here, ";
-    if (found == there.end()) {
+    if (found == there.end() || found->first != here.name()) {
       add(here.name(), value + "none there");
       continue;
     }
@@ -149,6 +149,20 @@ void Standby::CompareSetups() {
   for (const auto& [name, value] : there) {
     add(name, "none here, " + Printable(value, kQuoted) + " there");
   }
+  if (!differs_.empty() && differs_ != before && roles_.role() == v1::ROLE_FOLLOWING) {
+    complaint_ = "cannot stand in: " + DiffersText();
+  }
+}
+
+std::string Standby::DiffersText() const {
+  std::string text = "its configuration differs from the leader's: ";
+  for (std::size_t i = 0; i < std::min(differs_.size(), kShownDiffers); ++i) {
+    text += (i == 0 ? "" : "; ") + differs_[i];
+  }
+  if (differs_.size() > kShownDiffers) {
+    text += "; and " + std::to_string(differs_.size() - kShownDiffers) + " more";
+  }
+  return text;
 }
 
 Standby::Change Standby::Note(Change change) {
@@ -482,16 +496,7 @@ std::string Standby::WhyNot() const {
   if (roles_.role() == v1::ROLE_LOOKING) return "it checks whether the other daemon leads";
   if (!why_not_.empty()) return why_not_;
   if (stranger_ns_ != 0) return kOtherPair;
-  if (!differs_.empty()) {
-    std::string text = "its configuration differs from the leader's: ";
-    for (std::size_t i = 0; i < std::min(differs_.size(), kShownDiffers); ++i) {
-      text += (i == 0 ? "" : "; ") + differs_[i];
-    }
-    if (differs_.size() > kShownDiffers) {
-      text += "; and " + std::to_string(differs_.size() - kShownDiffers) + " more";
-    }
-    return text;
-  }
+  if (!differs_.empty()) return DiffersText();
   if (apart_of_last_.count() > kMostApart) {
     return std::to_string(apart_of_last_.count()) + " of the last " + std::to_string(kWindow) +
            " poses differ from the leader's";

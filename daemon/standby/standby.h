@@ -155,6 +155,7 @@ class Standby {
   void NotePair(const Peer& peer, std::int64_t now_ns);
   void MeasureClock(std::int64_t now_ns);
   void CompareSetups();
+  std::string DiffersText() const;
   void NameTooLarge(std::size_t bytes);
   std::string WhyNot() const;
   void SendGoodbye();

@@ -438,6 +438,33 @@ TEST_F(StateTest, WeightsOfAnotherPrecisionAreDetectedBeforeAnyPerformer) {
       << b_->State().why_not();
 }
 
+// As styled.toml has it: "cues of one name are fired together".
+TEST_F(StateTest, CuesOfOneNameAreComparedOneByOne) {
+  const auto with_cues = [this](const std::vector<std::string>& styles) {
+    auto config = std::make_shared<pipeline::RuntimeConfig>(*config_);
+    for (const std::string& style : styles) {
+      pipeline::Cue& cue = config->cues.emplace_back();
+      cue.name = "duo";
+      cue.request.mutable_set()->add_mix()->set_style(style);
+    }
+    return config;
+  };
+  const auto same = with_cues({"old", "proud", "old"});
+  StartB(same);
+  (void)a_->mailboxes.reloads.Push({same, nullptr});
+  Turn(1500);
+  EXPECT_TRUE(b_->State().ready()) << b_->State().why_not();
+  (void)b_->mailboxes.reloads.Push({with_cues({"old", "proud", "proud"}), nullptr});
+  Turn(1500);
+  EXPECT_FALSE(b_->State().ready());
+  EXPECT_EQ(b_->State().differs_size(), 1);
+  const auto lines = b_->Lines();
+  EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) {
+    return line.find("cannot stand in: its configuration differs from the leader's: cue duo") !=
+           std::string::npos;
+  })) << testing::PrintToString(lines);
+}
+
 TEST_F(StateTest, AReloadWithEqualSettingsMakesTheStandbyReady) {
   auto other = std::make_shared<pipeline::RuntimeConfig>(*config_);
   other->performers.stale_s = 1;
