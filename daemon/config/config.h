@@ -129,8 +129,9 @@ struct Model {
   // File of a second network that makes styles from examples; "" = the shipped one with the shipped
   // weights, none with others. "none": none.
   std::string examples;
-  // File of a network that follows gaits: its styles, and those of examples that walk or run; "": the
-  // shipped one with the shipped weights and with others that have no space of styles. "none": none.
+  // File of a network that follows gaits: its styles, and those of examples that walk or run; "":
+  // the shipped one with the shipped weights and with others that have no space of styles. "none":
+  // none.
   std::string gaits;
   std::string precision = "int8";  // one of net::kPrecisions
   stylist::Options stylist;
