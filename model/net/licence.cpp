@@ -69,7 +69,7 @@ std::string BothLicences(const std::string& one, const std::string& other) {
 
 std::string TermsText(const Terms& terms) {
   if (terms.licence.empty()) return terms.file + ": gives no licence";
-  const std::string text = terms.file + ": licence " + terms.licence;
+  std::string text = terms.file + ": licence " + terms.licence;
   switch (CommercialUse(terms.licence)) {
     case Commercial::kYes:
       return text + ", for commercial use too" + (terms.credit.empty() ? "" : " if credited");
