@@ -421,7 +421,7 @@ Result<int> FindInputStyle(const Arguments& arguments, const net::Styles& styles
 }
 
 Result<int> FindInputContent(const Arguments& arguments, const net::Model& model) {
-  const auto content = net::FindContent(model.contents, arguments.content);
+  auto content = net::FindContent(model.contents, arguments.content);
   if (content.ok()) return content;
   return Status::Error("--content: " + content.status().message());
 }
