@@ -1,4 +1,4 @@
-/* A performer who stands is restyled for two seconds: cc example.c -lstyled -lm; ./a.out zombie */
+/* A performer who stands is restyled for two seconds: cc example.c -lstyled -lm; ./a.out STYLE */
 #include <math.h>
 #include <stdio.h>
 #include <styled.h>
@@ -15,14 +15,18 @@ static const float offsets[JOINTS][3] = {
     {0, -0.42F, 0},    {0, -0.4F, 0},  {-0.1F, -0.05F, 0}, {0, -0.42F, 0},   {0, -0.4F, 0}};
 
 int main(int argc, char** argv) {
-  char error[256];
+  char error[4096];
   styled_network* network = styled_load(NULL, NULL, error, sizeof error);
   const styled_body body = {sizeof body, JOINTS, names, parents, &offsets[0][0], NULL, NULL, NULL};
   styled_performer* performer = network ? styled_create(network, &body, error, sizeof error) : NULL;
   if (!performer) return fprintf(stderr, "%s\n", error), 1;
-  const int32_t style = styled_find_style(network, argc > 1 ? argv[1] : "zombie");
+  const int32_t style = argc > 1 ? styled_find_style(network, argv[1]) : 1; /* 0 is neutral */
   const float weight = 1;
-  if (styled_set(performer, &style, &weight, 1, 0.1F)) return fprintf(stderr, "no such style\n"), 1;
+  if (styled_set(performer, &style, &weight, 1, 0.1F)) {
+    fprintf(stderr, "no such style as %s; expected one of", argv[1]);
+    for (int i = 0; i < styled_style_count(network); ++i) fprintf(stderr, " %s", styled_style_name(network, i));
+    return fprintf(stderr, "\n"), 1;
+  }
   float root[3], rotations[JOINTS][4];
   for (int frame = 0; frame < 240; ++frame) { /* 120 frames a second: the T-pose */
     for (int j = 0; j < JOINTS; ++j) for (int i = 0; i < 4; ++i) rotations[j][i] = i == 3;

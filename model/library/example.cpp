@@ -1,5 +1,5 @@
 // A BVH file is restyled as a whole, and once more frame by frame: c++ -std=c++20 example.cpp
-// -lstyled; ./a.out walk.bvh zombie out.bvh
+// -lstyled; ./a.out walk.bvh STYLE out.bvh
 #include <cstdio>
 #include <exception>
 #include <styled.hpp>

@@ -16,7 +16,7 @@ cat out
 [ "$(wc -l <out)" = 15 ]
 grep -q '^leftUpperArm  *turned by  *[1-9]' out
 ! ./example nosuch 2>error
-grep -q 'no such style' error
+grep -q 'no such style as nosuch; expected one of neutral angry' error
 ! STYLED_WEIGHTS=/nowhere ./example 2>error
 grep -q /nowhere error
 

@@ -165,10 +165,10 @@ export class Stage {
   beginFilm(name: string, width: number, height: number, alone = false): Filming | undefined {
     const performer = this.performers.get(name);
     if (!performer || this.filming) return undefined;
+    const renderer = alone ? this.transparent() : this.renderer; // first: a browser may refuse another context
     this.filming = performer;
     this.renderer.setAnimationLoop(null);
     this.orbit.enabled = false;
-    const renderer = alone ? this.transparent() : this.renderer;
     const view = { ...this.view, alone }, { background, fog } = this.scene;
     const ratio = this.renderer.getPixelRatio(), spot = performer.spot.clone();
     if (alone) this.scene.background = this.scene.fog = null;
@@ -193,7 +193,10 @@ export class Stage {
         this.element.classList.remove('filming');
         this.scene.background = background;
         this.scene.fog = fog;
-        if (alone && renderer instanceof WebGLRenderer) renderer.dispose();
+        if (alone && renderer instanceof WebGLRenderer) {
+          renderer.dispose();
+          renderer.forceContextLoss(); // a browser has few contexts, and would end the stage's
+        }
         performer.spot.copy(spot);
         performer.rewind();
         for (const other of this.performers.values()) other.group.visible = true;
