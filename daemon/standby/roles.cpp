@@ -7,7 +7,10 @@ namespace styled::standby {
 
 Roles::Change Roles::Start(Change change) {
   if (change == Change::kNone) return change;
-  silence_ns_ = led_ns_ = 0;
+  if (role_ == v1::ROLE_LEADING && from_nothing_ && led_ns_ < kLook_ns) {
+    patience_ns_ = std::min(2 * std::max(patience_ns_, waits_ns_), kLook_ns);
+  }
+  silence_ns_ = led_ns_ = followed_ns_ = 0;
   const bool claimed = std::exchange(claims_, false);
   from_nothing_ = change == Change::kLead;
   if (change == Change::kFollow) {
@@ -72,10 +75,12 @@ Roles::Change Roles::OnTime(std::int64_t now_ns, bool ready, bool whole) {
   const std::int64_t passed_ns = now_ns - last_ns_;
   last_ns_ = now_ns;
   if (role_ == v1::ROLE_LEADING) Age(std::max<std::int64_t>(passed_ns, 0));
+  if (role_ == v1::ROLE_FOLLOWING) followed_ns_ += std::max<std::int64_t>(passed_ns, 0);
+  if (followed_ns_ >= kCalm_ns) patience_ns_ = 0;
   silence_ns_ += std::clamp<std::int64_t>(passed_ns, 0, hold_ns_ / 4);
   // Without the leader's state all performers would start over, so wait until the leader is
   // certainly gone.
-  const std::int64_t waits_ns = whole ? waits_ns_ : std::max(waits_ns_, kLook_ns);
+  const std::int64_t waits_ns = std::max({waits_ns_, patience_ns_, whole ? 0 : kLook_ns});
   if (role_ == v1::ROLE_FOLLOWING && silence_ns_ >= waits_ns) {
     return Start(ready ? Change::kTakeOver : Change::kLead);
   }

@@ -39,6 +39,10 @@ class Roles {
   static constexpr std::int64_t kLookLonger_ns = 2'500'000'000;
   // Heartbeats come at least every 200 ms, however long the hold is (standby.cpp); one may be lost.
   static constexpr std::int64_t kLongestWait_ns = 500'000'000;
+  // A daemon that led for less than kLook_ns, because its leader had only stalled, waits twice as
+  // long the next time, up to kLook_ns, until it has followed for this time. Without it the roles
+  // change with each pause of a busy machine.
+  static constexpr std::int64_t kCalm_ns = 10'000'000'000;
   // Beyond any real term: a takeover every 20 ms would reach it after three years. Peers with
   // higher terms are ignored, so that the term cannot wrap around.
   static constexpr std::uint64_t kMostTerm = std::uint64_t{1} << 32U;
@@ -101,7 +105,8 @@ class Roles {
   bool claims_ = false;  // it has requested leadership, and the leader has not said goodbye yet
   bool from_nothing_ = false;
   bool looks_longer_ = false;
-  std::int64_t led_ns_ = 0;
+  std::int64_t led_ns_ = 0, followed_ns_ = 0;
+  std::int64_t patience_ns_ = 0;  // the least silence of the leader before the next change of roles
 };
 
 }  // namespace styled::standby

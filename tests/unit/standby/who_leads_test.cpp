@@ -83,6 +83,27 @@ TEST_F(RolesTest, APauseOfThisDaemonIsNotSilenceOfThePeer) {
   EXPECT_EQ(roles.OnTime(now_ns, true, true), Change::kTakeOver);
 }
 
+// On a machine that pauses again and again, by a standby of another configuration: it led and gave
+// way five times in 0.2 s.
+TEST_F(RolesTest, ALeaderThatHadOnlyStalledIsGivenTwiceTheTimeUntilAllIsCalm) {
+  const auto silent_ms = [this] {
+    int ms = 10;
+    while (roles.OnTime(now_ns += 10 * kMs, false, true) == Change::kNone && ms < 5'000) ms += 10;
+    return ms;
+  };
+  EXPECT_EQ(roles.OnPeer(Leading(3, 7)), Change::kFollow);
+  EXPECT_EQ(roles.OnTime(now_ns, false, true), Change::kNone);
+  for (const int expected : {100, 200, 400, 800, 1000, 1000}) {
+    EXPECT_EQ(silent_ms(), expected);
+    EXPECT_EQ(roles.OnPeer(Leading(3, 7)), Change::kFollow) << "it was only slow";
+  }
+  for (int i = 0; i < 1'000; ++i) {
+    EXPECT_EQ(roles.OnTime(now_ns += 10 * kMs, false, true), Change::kNone);
+    EXPECT_EQ(roles.OnPeer(Leading(3, 7)), Change::kNone);
+  }
+  EXPECT_EQ(silent_ms(), 100);
+}
+
 TEST_F(RolesTest, AGoodbyeAndARestartNeedNoWait) {
   for (const Peer& end : {Peer{9, v1::ROLE_LEAVING, 3, false}, Peer{11, v1::ROLE_LOOKING, 0, false},
                           Peer{11, v1::ROLE_LOOKING, 0, true}}) {
