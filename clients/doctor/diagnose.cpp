@@ -131,9 +131,9 @@ void Examination::Source(const SourceFacts& source) {
   Report(Severity::kProblem, Step::kFrames, &source, "not_merged",
          Label(source) + " arrives, and no performer gets it.",
          "The daemon says: " + source.stray + ".",
-         "Let the named one come, or set merge_into of the source to a performer who is here, and "
-         "restart the daemon. A phone without a rig is a performer of its own where the rig's "
-         "[[source]] is left out.");
+         "Start the rig of the performer that it names, or set merge_into of the source to one who "
+         "is here, and restart the daemon. A phone without a rig is a performer of its own where "
+         "the rig's [[source]] is left out.");
 }
 
 // Reports a source from which the daemon receives nothing, whatever the previous steps found. Not
