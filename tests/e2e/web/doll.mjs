@@ -1,4 +1,6 @@
 // An avatar for pictures of the documents: a VRM 1.0 figure of ellipsoids, 1.6 m tall, in a T-pose, facing +Z.
+import { glbOf } from './avatar.mjs';
+
 const MATERIALS = { skin: [0.93, 0.72, 0.58], shirt: [0.16, 0.5, 0.72], cloth: [0.17, 0.19, 0.27], hair: [0.24, 0.13, 0.09], dark: [0.03, 0.03, 0.04] };
 // Bone, its parent, its place below the parent, and its ellipsoids: centre, radii (metres), material.
 const side = (x) => [
@@ -34,15 +36,6 @@ function sphere() {
   return { places: Buffer.from(new Float32Array(places).buffer), triangles: Buffer.from(new Uint16Array(triangles).buffer) };
 }
 
-const padded = (buffer, fill) => Buffer.concat([buffer, Buffer.alloc((4 - (buffer.length % 4)) % 4, fill)]);
-
-function chunk(type, data) {
-  const head = Buffer.alloc(8);
-  head.writeUInt32LE(data.length, 0);
-  head.write(type, 4, 'latin1');
-  return Buffer.concat([head, data]);
-}
-
 /** The bytes of the .vrm. */
 export function makeDoll() {
   const names = Object.keys(MATERIALS), { places, triangles } = sphere();
@@ -64,10 +57,5 @@ export function makeDoll() {
     extensions: { VRMC_vrm: { specVersion: '1.0', meta: { name: 'Doll', authors: ['the Styled authors'], licenseUrl: 'https://vrm.dev/licenses/1.0/' },
       humanoid: { humanBones: Object.fromEntries(BONES.map(([name], node) => [name, { node }])) }, expressions: {} } },
   };
-  const body = Buffer.concat([chunk('JSON', padded(Buffer.from(JSON.stringify(json)), 0x20)), chunk('BIN\0', padded(Buffer.concat([places, triangles]), 0))]);
-  const head = Buffer.alloc(12);
-  head.write('glTF', 0, 'latin1');
-  head.writeUInt32LE(2, 4);
-  head.writeUInt32LE(12 + body.length, 8);
-  return Buffer.concat([head, body]);
+  return glbOf(json, Buffer.concat([places, triangles]));
 }

@@ -60,6 +60,11 @@ export function makeAvatar(picture, { presets = [], customs = [], details = fals
       },
     },
   };
+  return glbOf(json, binary);
+}
+
+/** The bytes of a .glb with that JSON and that buffer. */
+export function glbOf(json, binary) {
   const pad = (buffer, fill) => Buffer.concat([buffer, Buffer.alloc((4 - (buffer.length % 4)) % 4, fill)]);
   const chunk = (type, data) => {
     const head = Buffer.alloc(8);
