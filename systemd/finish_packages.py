@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Gives the files that CPack has collected the form that Debian and licences ask for. CPack calls it before it packs.
 
-    finish_packages.py BUILD MAINTAINER TREES
+    finish_packages.py BUILD MAINTAINER TREES [OF]
 
-TREES has a folder for each package, whose name is that of the folder with usr/share/doc/NAME/copyright. Each gets its changelog (of
+OF is what the packages' version has after the version: +deb12. TREES has a folder for each package, whose name is that of the folder with usr/share/doc/NAME/copyright. Each gets its changelog (of
 CHANGELOG.md), the stanzas of debian/copyright that are about its files, and, where it has programs, the copyright
 files of the libraries that are compiled in. Links of its documents lead to what it has. Manual pages and changelogs are compressed. A file that no stanza is about ends
 it with an error, and so does a part of the page without a notice."""
@@ -170,8 +170,8 @@ def as_shipped(text, file, documents, here):
 
 # Packages ------------------------------------------------------------------------------------------------------------
 
-def debian_changelog(changelog, package, maintainer):
-    """CHANGELOG.md in the format of Debian's changelogs."""
+def debian_changelog(changelog, package, maintainer, of=''):
+    """CHANGELOG.md in the format of Debian's changelogs. of: what the package's version has after the newest version."""
     entries = []
     for part in re.split(r'^## ', changelog, flags=re.MULTILINE)[1:]:
         version, day = re.match(r'(\S+) \((\d{4}-\d\d-\d\d)\)\n', part).groups()
@@ -179,7 +179,7 @@ def debian_changelog(changelog, package, maintainer):
         date = datetime.datetime.strptime(day, '%Y-%m-%d').strftime('%a, %d %b %Y 00:00:00 +0000')
         lines = ''.join(textwrap.fill(' '.join(change[2:].replace('`', '').split()), 78, initial_indent='  * ',
                                       subsequent_indent='    ', break_on_hyphens=False) + '\n' for change in changes)
-        entries.append(f'{package} ({version}) unstable; urgency=medium\n\n{lines}\n -- {maintainer}  {date}\n')
+        entries.append(f'{package} ({version}{"" if entries else of}) unstable; urgency=medium\n\n{lines}\n -- {maintainer}  {date}\n')
     return '\n'.join(entries)
 
 
@@ -194,14 +194,14 @@ def write(path, text, packed=False):
         out.write(gzip.compress(data, 9, mtime=0) if packed else data)
 
 
-def finish(tree, build, maintainer, notices_of_programs=None):
+def finish(tree, build, maintainer, notices_of_programs=None, of=''):
     """One package; returns the complaints about it. notices_of_programs: third_party(build), if it was made already."""
     documents, = glob.glob(os.path.join(tree, 'usr/share/doc/*/copyright'))
     documents = os.path.dirname(documents)
     name = os.path.basename(documents)
     if any(path.startswith('usr/bin/') or '/libstyled.so.' in path for path in files_of(tree)):
         write(os.path.join(documents, 'third-party.gz'), notices_of_programs or third_party(build), packed=True)
-    write(os.path.join(documents, 'changelog.gz'), debian_changelog(read(HERE, 'CHANGELOG.md'), name, maintainer), packed=True)
+    write(os.path.join(documents, 'changelog.gz'), debian_changelog(read(HERE, 'CHANGELOG.md'), name, maintainer, of), packed=True)
     news = os.path.join(HERE, 'debian', name + '.NEWS')
     if os.path.exists(news):
         write(os.path.join(documents, 'NEWS.Debian.gz'), read(news).replace('@MAINTAINER@', maintainer), packed=True)
@@ -229,17 +229,17 @@ def finish(tree, build, maintainer, notices_of_programs=None):
     return [f'{name}: {complaint}' for complaint in wrong]
 
 
-def main(build, maintainer, trees):
+def main(build, maintainer, trees, of=''):
     wrong, programs = [], third_party(build)
     for part in sorted(os.listdir(trees)):
         tree = os.path.join(trees, part)
         if os.path.isdir(os.path.join(tree, 'usr/share/doc')):
-            wrong += finish(tree, build, maintainer, programs)
+            wrong += finish(tree, build, maintainer, programs, of)
     if wrong:
         raise SystemExit('\n'.join(wrong))
 
 
 if __name__ == '__main__':
-    if len(sys.argv) != 4:
+    if len(sys.argv) not in (4, 5):
         raise SystemExit(__doc__)
     main(*sys.argv[1:])

@@ -19,6 +19,7 @@ for name in styled styled-tools styled-web styled-weights-nc; do
   [ "$(compgen -G "$debs/${name}_*.deb" | wc -l)" = 1 ] || fail "$debs: expected one ${name}_*.deb; systemd/packages.sh builds it"
 done
 version=$(dpkg-deb -f "$debs"/styled_*.deb Version)
+version=${version%%+*}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 name=styled-$version-linux-x86_64
