@@ -14,13 +14,17 @@ for program in mmdebstrap umoci; do
   [ -n "$(type -P $program)" ] || fail "$program is missing: apt-get install mmdebstrap umoci"
 done
 apt=$(realpath "$1")
-[ -e "$apt/styled.sources" ] || fail "$apt: expected an apt repository; systemd/packages.sh makes it"
 mkdir -p "$2"
 folder=$(realpath "$2")
 suite=$(. /etc/os-release && echo "${VERSION_CODENAME:?}")
 architecture=$(dpkg --print-architecture)
-deb=$(echo "$apt"/pool/main/styled_*_"$architecture".deb)
+sources=$apt/styled-$suite.sources  # of a repository with the packages of several Debians
+[ -e "$sources" ] || sources=$apt/styled.sources
+[ -e "$sources" ] || fail "$apt: expected an apt repository; systemd/packages.sh makes it"
+deb=$(echo "$apt/pool/$suite"/main/styled_*_"$architecture".deb)
+[ -e "$deb" ] || fail "$apt: expected one package styled for $suite and $architecture"
 version=$(dpkg-deb -f "$deb" Version)
+version=${version%%+*}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 chmod 755 "$work"
@@ -30,7 +34,7 @@ mmdebstrap --quiet --variant=essential --include=systemd-standalone-sysusers,sty
   --aptopt='APT::Install-Recommends "false"' --dpkgopt='path-exclude=/usr/share/man/*' \
   --dpkgopt='path-exclude=/usr/share/locale/*' \
   --setup-hook="mkdir -p \"\$1/styled-apt\" && cp -r '$apt/.' \"\$1/styled-apt\"" \
-  --setup-hook="sed 's|^URIs: .*|URIs: copy:'\"\$1\"'/styled-apt|' '$apt/styled.sources' >\"\$1/etc/apt/sources.list.d/styled.sources\"" \
+  --setup-hook="sed 's|^URIs: .*|URIs: copy:'\"\$1\"'/styled-apt|' '$sources' >\"\$1/etc/apt/sources.list.d/styled.sources\"" \
   --essential-hook='echo styled:x:7000: >>"$1/etc/group"' \
   --essential-hook='echo styled-run:x:7000:7000::/var/lib/styled:/usr/sbin/nologin >>"$1/etc/passwd"' \
   --customize-hook='rm -r "$1/styled-apt" "$1/etc/apt/sources.list.d/styled.sources"' \

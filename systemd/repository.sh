@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
 # Makes a signed apt repository of .deb files: a folder that any web server can serve, or file: can read.
 #   systemd/repository.sh [--key ID] [--url URL] DEBS [FOLDER]
-#     DEBS      the folder of the packages
+#     DEBS      the folder of the packages. Their versions tell for which Debian each was built (0.2.0+deb12), so that
+#               those of several Debians and architectures may lie in it; one without is for this machine's
 #     FOLDER    the repository; default build/apt. It is replaced when the new one is complete
 #     --key ID  the key of your gpg keyring that signs (fingerprint, key id or address). Default: a key of
 #               its own, made at the first call and kept, without a passphrase, in FOLDER-key
 #     --url URL where clients will find FOLDER, for styled.sources; default: the folder itself (file:)
 # In FOLDER then: dists/ and pool/, the public key styled.asc, and styled.sources, which has the key in it and
-# is all that a client needs. daemon/OPERATING.md says how to serve it and how to install from it.
+# is all that a client needs; with several Debians styled-trixie.sources and so on, one for each.
+# daemon/OPERATING.md says how to serve it and how to install from it.
 # apt: apt-utils gnupg
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
-usage() { sed -n '3,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+usage() { sed -n '3,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 fail() { echo "repository.sh: $*" >&2; exit 1; }
 gpg() { command gpg --batch --quiet --no-auto-check-trustdb "$@"; }
 
@@ -20,7 +22,7 @@ url=
 while [ $# -gt 0 ]; do
   case $1 in
     --key | --url) [ -n "${2:-}" ] || usage; declare "${1#--}=$2"; shift 2 ;;
-    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
     -*) usage ;;
     *) break ;;
   esac
@@ -60,7 +62,16 @@ fi
 gpg --list-secret-keys "$key" >/dev/null 2>&1 ||
   fail "--key $key: expected a secret key of ${GNUPGHOME:-$HOME/.gnupg}; gpg --list-secret-keys lists them"
 
-suite=$(. /etc/os-release && echo "${VERSION_CODENAME:-bookworm}")  # of which the packages are
+here=$(. /etc/os-release && echo "${VERSION_CODENAME:-bookworm}")
+suite_of() {  # suite_of VERSION: the codename of the system that a package is for
+  case $1 in
+    *+deb12*) echo bookworm ;;
+    *+deb13*) echo trixie ;;
+    *+ubuntu22.04*) echo jammy ;;
+    *+ubuntu24.04*) echo noble ;;
+    *) echo "$here" ;;
+  esac
+}
 # apt-ftparchive only finds NAME_VERSION_ARCHITECTURE.deb, so a package gets the name from its own
 # data.
 for deb in "$debs"/*.deb; do
@@ -69,41 +80,49 @@ for deb in "$debs"/*.deb; do
   # A client that must stay free of it leaves the component non-free out of styled.sources.
   component=main
   case $(dpkg-deb -f "$deb" Section) in non-free/*) component=non-free ;; esac
-  mkdir -p "$new/pool/$component"
-  cp "$deb" "$new/pool/$component/${named//:/%3a}.deb"
+  pool=$new/pool/$(suite_of "$(dpkg-deb -f "$deb" Version)")/$component
+  mkdir -p "$pool"
+  cp "$deb" "$pool/${named//:/%3a}.deb"
 done
 cd "$new"
-components=$(ls pool)
-architectures=$(for deb in pool/*/*.deb; do dpkg-deb -f "$deb" Architecture; done | sort -u | grep -vx all || true)
-architectures=${architectures:-$(dpkg --print-architecture)}
-for component in $components; do
-  for architecture in $architectures; do
-    packages=dists/$suite/$component/binary-$architecture/Packages
-    mkdir -p "$(dirname "$packages")"
-    apt-ftparchive --arch "$architecture" packages "pool/$component" >"$packages"
-    gzip -9nk "$packages"
+gpg --armor --export "$key" >styled.asc
+suites=$(ls pool)
+for suite in $suites; do
+  components=$(ls "pool/$suite")
+  architectures=$(for deb in pool/"$suite"/*/*.deb; do dpkg-deb -f "$deb" Architecture; done | sort -u | grep -vx all || true)
+  architectures=${architectures:-$(dpkg --print-architecture)}
+  for component in $components; do
+    for architecture in $architectures; do
+      packages=dists/$suite/$component/binary-$architecture/Packages
+      mkdir -p "$(dirname "$packages")"
+      apt-ftparchive --arch "$architecture" packages "pool/$suite/$component" >"$packages"
+      gzip -9nk "$packages"
+    done
   done
+  # Written outside of the folder that it lists.
+  release=$(apt-ftparchive -o APT::FTPArchive::Release::Origin=Styled -o APT::FTPArchive::Release::Label=Styled \
+    -o APT::FTPArchive::Release::Suite="$suite" -o APT::FTPArchive::Release::Codename="$suite" \
+    -o "APT::FTPArchive::Release::Components=${components//$'\n'/ }" \
+    -o "APT::FTPArchive::Release::Architectures=${architectures//$'\n'/ }" \
+    -o APT::FTPArchive::Release::MD5=no -o APT::FTPArchive::Release::SHA1=no release "dists/$suite")
+  echo "$release" >"dists/$suite/Release"
+  sign() { gpg --yes --local-user "$key" --digest-algo SHA512 "$@" "dists/$suite/Release"; }
+  sign --clearsign --output "dists/$suite/InRelease"
+  sign --armor --detach-sign --output "dists/$suite/Release.gpg"
+  sources=styled-$suite.sources
+  [ "$suite" != "$suites" ] || sources=styled.sources
+  {
+    printf '%s\n' 'Types: deb' "URIs: $url" "Suites: $suite" "Components: ${components//$'\n'/ }"
+    # A client of one architecture need not read the lists of the others.
+    case $architectures in *$'\n'*) ;; *) echo "Architectures: $architectures" ;; esac
+    echo 'Signed-By:'
+    sed 's/^$/./;s/^/ /' styled.asc
+  } >"$sources"
 done
-count=$(cat dists/"$suite"/*/*/Packages | sed -n 's/^Filename: //p' | sort -u | wc -l)
+count=$(cat dists/*/*/*/Packages | sed -n 's/^Filename: //p' | sort -u | wc -l)
 all=$(find pool -name '*.deb' | wc -l)
 [ "$count" = "$all" ] ||
   fail "$debs: $all packages, of which $count could be listed; nothing was replaced"
-# Written outside of the folder that it lists.
-release=$(apt-ftparchive -o APT::FTPArchive::Release::Origin=Styled -o APT::FTPArchive::Release::Label=Styled \
-  -o APT::FTPArchive::Release::Suite="$suite" -o APT::FTPArchive::Release::Codename="$suite" \
-  -o "APT::FTPArchive::Release::Components=${components//$'\n'/ }" \
-  -o "APT::FTPArchive::Release::Architectures=${architectures//$'\n'/ }" \
-  -o APT::FTPArchive::Release::MD5=no -o APT::FTPArchive::Release::SHA1=no release "dists/$suite")
-echo "$release" >"dists/$suite/Release"
-sign() { gpg --yes --local-user "$key" --digest-algo SHA512 "$@" "dists/$suite/Release"; }
-sign --clearsign --output "dists/$suite/InRelease"
-sign --armor --detach-sign --output "dists/$suite/Release.gpg"
-gpg --armor --export "$key" >styled.asc
-{
-  printf '%s\n' 'Types: deb' "URIs: $url" "Suites: $suite" "Components: ${components//$'\n'/ }" \
-    "Architectures: ${architectures//$'\n'/ }" 'Signed-By:'
-  sed 's/^$/./;s/^/ /' styled.asc
-} >styled.sources
 chmod -R u=rwX,go=rX .
 
 cd /
@@ -112,4 +131,4 @@ mv -T "$new" "$folder"
 rm -rf "$new.old"
 fingerprint=$(gpg --with-colons --list-secret-keys "$key" | awk -F: '$1 == "fpr" { print $10; exit }')
 echo "$folder: $count packages, signed by $fingerprint"
-echo "a client copies $folder/styled.sources to /etc/apt/sources.list.d"
+echo "a client copies $(cd "$folder" && echo *.sources) of $folder to /etc/apt/sources.list.d"

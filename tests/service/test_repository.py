@@ -14,7 +14,7 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 SCRIPT = os.path.join(ROOT, 'systemd', 'repository.sh')
 CONTROL = """Package: {name}
 Version: {version}
-Architecture: amd64
+Architecture: {architecture}
 Maintainer: Test <test@styled.invalid>
 Description: a package of this test
 {more}"""
@@ -31,11 +31,11 @@ def run(*command, **environment):
                           env=dict(os.environ, LC_ALL='C.UTF-8', **environment))
 
 
-def make_package(folder, name, version, more=''):
+def make_package(folder, name, version, more='', architecture='amd64'):
     unpacked = os.path.join(folder, 'unpacked', name)
     os.makedirs(os.path.join(unpacked, 'DEBIAN'), exist_ok=True)
     with open(os.path.join(unpacked, 'DEBIAN', 'control'), 'w', encoding='utf-8') as control:
-        control.write(CONTROL.format(name=name, version=version, more=more))
+        control.write(CONTROL.format(name=name, version=version, more=more, architecture=architecture))
     debs = os.path.join(folder, 'debs')
     os.makedirs(debs, exist_ok=True)
     done = run('dpkg-deb', '--root-owner-group', '-b', unpacked, debs)
@@ -45,8 +45,9 @@ def make_package(folder, name, version, more=''):
 class Apt:
     """apt with nothing but one .sources file: no other source, no other key, no installed package."""
 
-    def __init__(self, folder, sources):
+    def __init__(self, folder, sources, architecture='amd64'):
         self.folder = folder
+        self.architecture = architecture
         for name in ('etc', 'state/lists/partial', 'cache/archives/partial'):
             os.makedirs(os.path.join(folder, name))
         shutil.copy(sources, os.path.join(folder, 'etc', 'styled.sources'))
@@ -58,7 +59,7 @@ class Apt:
         options = {'Dir::Etc::sourcelist': at('etc/styled.sources'), 'Dir::Etc::sourceparts': '-',
                    'Dir::Etc::trusted': '-', 'Dir::Etc::trustedparts': '-', 'Dir::Etc::preferencesparts': '-',
                    'Dir::State': at('state'), 'Dir::State::status': at('status'), 'Dir::Cache': at('cache'),
-                   'APT::Architecture': 'amd64', 'APT::Architectures': 'amd64', 'APT::Sandbox::User': '',
+                   'APT::Architecture': self.architecture, 'APT::Architectures': self.architecture, 'APT::Sandbox::User': '',
                    'APT::Update::Error-Mode': 'any', 'APT::Install-Recommends': 'true', 'Debug::NoLocking': 'true'}
         return run(program, *(word for key, value in options.items() for word in ('-o', f'{key}={value}')), *arguments)
 
@@ -87,9 +88,9 @@ class RepositoryTest(unittest.TestCase):
         self.assertEqual((0, ''), (done.returncode, done.stderr))
         return done.stdout
 
-    def apt(self, sources='styled.sources'):
+    def apt(self, sources='styled.sources', architecture='amd64'):
         self.apts += 1
-        return Apt(os.path.join(self.folder, f'system-{self.apts}'), os.path.join(self.repository, sources))
+        return Apt(os.path.join(self.folder, f'system-{self.apts}'), os.path.join(self.repository, sources), architecture)
 
     def file(self, *path):
         return os.path.join(self.repository, 'dists', suite(), *path)
@@ -131,6 +132,29 @@ class RepositoryTest(unittest.TestCase):
         self.assertEqual(0, apt('apt-get', 'install', '--simulate', 'styled').returncode)
         self.assertEqual(100, apt('apt-get', 'install', '--simulate', 'styled-weights-nc').returncode)
 
+    def test_two_debians_and_two_architectures_in_one(self):
+        shutil.rmtree(os.path.join(self.folder, 'debs'))
+        for system in ('deb12', 'deb13'):
+            for architecture in ('amd64', 'arm64'):
+                make_package(self.folder, 'styled', f'2.0+{system}', architecture=architecture)
+            make_package(self.folder, 'styled-weights-nc', f'2.0+{system}', 'Section: non-free/video\n', 'all')
+        said = self.made()
+        self.assertIn('/apt: 6 packages, signed by', said)
+        self.assertIn('a client copies styled-bookworm.sources styled-trixie.sources of', said)
+        for codename, version in (('bookworm', '2.0+deb12'), ('trixie', '2.0+deb13')):
+            for architecture in ('amd64', 'arm64'):
+                apt = self.apt(f'styled-{codename}.sources', architecture)
+                done = apt.update()
+                self.assertEqual((0, ''), (done.returncode, done.stderr))
+                done = apt('apt-get', 'install', '--simulate', 'styled', 'styled-weights-nc')
+                self.assertIn(f'Inst styled ({version} Styled:{codename} [{architecture}])', done.stdout)
+                self.assertIn(f'Inst styled-weights-nc ({version} Styled:{codename} [all])', done.stdout)
+        # A system that was upgraded takes the packages of its new Debian.
+        with open(os.path.join(apt.folder, 'status'), 'w', encoding='utf-8') as status:
+            status.write('Package: styled\nStatus: install ok installed\nVersion: 2.0+deb12\nArchitecture: arm64\n'
+                         'Maintainer: Test <test@styled.invalid>\nDescription: a package of this test\n')
+        self.assertIn('Inst styled [2.0+deb12] (2.0+deb13 ', apt('apt-get', 'upgrade', '--simulate').stdout)
+
     def test_by_the_detached_signature_too(self):
         self.made()
         os.remove(self.file('InRelease'))
@@ -168,7 +192,7 @@ class RepositoryTest(unittest.TestCase):
         self.made()
         apt = self.apt()
         self.assertEqual(0, apt.update().returncode)
-        deb, = glob.glob(os.path.join(self.repository, 'pool', 'main', 'styled_*.deb'))
+        deb, = glob.glob(os.path.join(self.repository, 'pool', suite(), 'main', 'styled_*.deb'))
         with open(deb, 'r+b') as file:
             file.seek(-1, os.SEEK_END)
             last = file.read(1)
