@@ -1,10 +1,10 @@
 #!/bin/sh
-# make_page.sh PROGRAM PAGE VERSION: prints the page as input for scdoc. @VERSION@ becomes VERSION;
+# make_page.sh PROGRAM PAGE VERSION [EMULATOR]: prints the page as input for scdoc. @VERSION@ becomes VERSION;
 # the line @OPTIONS@ becomes the --help of PROGRAM and of each of its commands; a line @OPTIONS words@
 # becomes the lines that `PROGRAM words --help` prints and `PROGRAM --help` does not; a line @FILE path@
-# becomes that file.
+# becomes that file. EMULATOR runs the program where it is for another processor.
 set -eu
-program=$1 page=$2 version=$3
+program=$1 page=$2 version=$3 emulator=${4:-}
 here=$(dirname "$0")
 unset STYLED_DATA  # a default of some programs; the page is of none's
 
@@ -12,7 +12,7 @@ unset STYLED_DATA  # a default of some programs; the page is of none's
 options() {
   want=$1
   shift
-  "$@" --help | awk -v want="$want" -f "$here/options.awk"
+  $emulator "$@" --help | awk -v want="$want" -f "$here/options.awk"
 }
 
 while IFS= read -r line; do
@@ -21,7 +21,7 @@ while IFS= read -r line; do
       options options "$program"
       for command in $(options commands "$program"); do
         printf '## %s %s\n\n' "$(basename "$program")" "$command"
-        "$program" "$command" --help | sed -n '1s/[*_]/\\&/g;1p'
+        $emulator "$program" "$command" --help | sed -n '1s/[*_]/\\&/g;1p'
         echo
         options more "$program" "$command"
       done
