@@ -99,6 +99,16 @@ std::string Targets(const Channel& channel) {
   return text;
 }
 
+// "; no program listens at 127.0.0.1:39539": as far as their machines say so.
+std::string NoListener(const Channel& channel) {
+  std::string text;
+  for (const auto& target : channel.targets) {
+    if (!target->NoListener()) continue;
+    text += (text.empty() ? "; no program listens at " : ", ") + target->text();
+  }
+  return text;
+}
+
 // Prints one line per channel: performer, targets, counts.
 class Report {
  public:
@@ -139,19 +149,31 @@ class Report {
       }
       out_ << counts.frames << " frames, " << counts.thinned << " thinned out, " << counts.missed
            << " missed, " << counts.bodiless << " without a body, " << counts.failed
-           << " datagrams refused"
+           << " datagrams refused" << NoListener(channel)
            << (forwarder.connected() == 0 ? "; no daemon answers" + Why() : "") << "\n";
     }
     out_.flush();
     since_ = Clock::now();
   }
 
-  // Prints the last error, at most once per second, and the performer when it changes.
+  // Prints the last error, at most once per second, the performer when it changes, and each target
+  // where no program listens, once.
   void PrintNews(Forwarder& forwarder) {
     auto& channels = forwarder.channels();
     shown_.resize(channels.size());
+    no_listener_.resize(channels.size());
     for (std::size_t i = 0; i < channels.size(); ++i) {
       Channel& channel = channels[i];
+      if (std::string no_listener = NoListener(channel); no_listener != no_listener_[i]) {
+        if (!no_listener.empty()) {
+          err_ << "stylevmc: " << no_listener.substr(2)
+               << ": is VMC's receiver on in the application, on this port?\n";
+        } else {
+          out_ << "stylevmc: a program listens now: " << Targets(channel) << "\n";
+          out_.flush();
+        }
+        no_listener_[i] = std::move(no_listener);
+      }
       if (shown_[i] != channel.current && channel.wanted.empty()) {
         out_ << "stylevmc: " << channel.current << " -> " << Targets(channel) << "\n";
         out_.flush();
@@ -186,7 +208,7 @@ class Report {
   std::ostream& err_;
   Clock::time_point since_ = Clock::now(), next_error_ = Clock::now();
   std::vector<std::uint64_t> frames_;
-  std::vector<std::string> shown_;
+  std::vector<std::string> shown_, no_listener_;
 };
 
 Clock::duration Seconds(double seconds) {

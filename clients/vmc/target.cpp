@@ -1,7 +1,12 @@
 #include "clients/vmc/target.h"
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <optional>
 #include <utility>
 
 #include "clients/cpp/subscriber.h"
@@ -55,6 +60,8 @@ struct Target::Impl {
   asio::io_context context;
   udp::socket socket{context};
   udp::endpoint endpoint;
+  std::optional<std::chrono::steady_clock::time_point> refused;  // when it was last answered so
+  std::chrono::steady_clock::time_point sent;                    // the newest datagram
 };
 
 Target::Target(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -81,15 +88,42 @@ Result<std::unique_ptr<Target>> Target::Open(const TargetSpec& spec) {
   impl->socket.non_blocking(true, error);
   if (error) return failed(error);
   impl->socket.set_option(asio::socket_base::broadcast(true), error);  // IPv6 has no broadcast
+  // Where this fails, the answers of absent applications are not seen, and frames go out all the
+  // same.
+  const int on = 1;
+  const bool v4 = impl->endpoint.address().is_v4();
+  (void)setsockopt(impl->socket.native_handle(), v4 ? IPPROTO_IP : IPPROTO_IPV6,
+                   v4 ? IP_RECVERR : IPV6_RECVERR, &on, sizeof on);
   return std::unique_ptr<Target>(new Target(std::move(impl)));
 }
 
-// The socket is not connected. On a connected one, the ICMP reply of an absent application would
-// make the next send fail.
+// The ICMP answer to an earlier datagram makes a send fail, and this datagram is not sent: it is
+// sent again. The answers are taken out, else they fill the socket's buffer.
 std::string Target::Send(std::span<const std::byte> datagram) {
   error_code error;
-  impl_->socket.send_to(asio::buffer(datagram.data(), datagram.size()), impl_->endpoint, 0, error);
-  return error ? error.message() : std::string();
+  const auto send = [&] {
+    impl_->socket.send_to(asio::buffer(datagram.data(), datagram.size()), impl_->endpoint, 0,
+                          error);
+  };
+  impl_->sent = std::chrono::steady_clock::now();
+  send();
+  if (!error) return {};
+  const error_code first = error;
+  bool answered = false;
+  std::array<std::byte, 1> none{};
+  while (recv(impl_->socket.native_handle(), none.data(), none.size(),
+              MSG_ERRQUEUE | MSG_DONTWAIT) >= 0) {
+    answered = true;
+  }
+  if (!answered) return error.message();
+  if (first == asio::error::connection_refused) impl_->refused = impl_->sent;
+  send();
+  if (!error) error = first;  // a machine without a route is told, too
+  return error == asio::error::connection_refused ? std::string() : error.message();
+}
+
+bool Target::NoListener() const {
+  return impl_->refused && impl_->sent - *impl_->refused < kTellsFor;
 }
 
 const std::string& Target::text() const { return impl_->text; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -20,8 +21,7 @@ struct TargetSpec {
 // Parses "HOST:PORT", "[IPV6]:PORT" or "PERFORMER=HOST:PORT". The error states what was expected.
 Result<TargetSpec> ParseTarget(const std::string& text);
 
-// A UDP socket for one target. UDP does not report whether a program listens there. One thread;
-// Send does not block.
+// A UDP socket for one target. One thread; Send does not block.
 class Target {
  public:
   // Resolves the host once (this may block for seconds). If there are several addresses, an IPv4
@@ -32,8 +32,16 @@ class Target {
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
 
-  // "" if the system accepted the datagram, else its error.
+  // "" if the system accepted the datagram, else its error. That no program listens there is no
+  // error: the application may start later.
   std::string Send(std::span<const std::byte> datagram);
+
+  // Whether the machine answered one of the datagrams of the last kTellsFor before the newest that
+  // no program listens there (ICMP, port unreachable). false proves nothing: a firewall may keep
+  // the answer back.
+  bool NoListener() const;
+  static constexpr std::chrono::seconds kTellsFor{3};  // Linux answers a sender once a second
+
   const std::string& text() const;
 
  private:

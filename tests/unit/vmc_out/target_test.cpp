@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include "tests/unit/vmc_out/ear.h"
 
 namespace styled::stylevmc {
@@ -50,15 +55,35 @@ TEST(Target, PrefersIpv4) {
   EXPECT_EQ(ear.Receive(), datagram);
 }
 
-TEST(Target, DoesNotMindThatNobodyListens) {
-  std::string address;
+// The answer takes a moment, also on loopback. Each datagram goes out, before it and after.
+TEST(Target, TellsThatNoProgramListensUntilOneDoes) {
+  std::string port;
   {
     const Ear gone;
-    address = gone.address();
+    port = gone.port();
   }
-  auto target = Target::Open(ParseTarget(address).value());
+  auto target = Target::Open(ParseTarget("127.0.0.1:" + port).value());
   ASSERT_TRUE(target.ok());
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(target.value()->Send(std::vector<std::byte>(4)), "");
+  EXPECT_FALSE(target.value()->NoListener());
+  const auto send = [&](int value) {
+    return target.value()->Send(std::vector<std::byte>(4, static_cast<std::byte>(value)));
+  };
+  for (int i = 0; i < 200 && !target.value()->NoListener(); ++i) {
+    EXPECT_EQ(send(0), "");
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(target.value()->NoListener());
+
+  const Ear ear(port);
+  for (int i = 1; i <= 100; ++i) {
+    EXPECT_EQ(send(i), "");
+    EXPECT_EQ(ear.Receive(), std::vector<std::byte>(4, static_cast<std::byte>(i)));
+  }
+  EXPECT_TRUE(target.value()->NoListener());
+  std::this_thread::sleep_for(Target::kTellsFor);
+  EXPECT_TRUE(target.value()->NoListener()) << "a performer who pauses proves nothing";
+  EXPECT_EQ(send(0), "");
+  EXPECT_FALSE(target.value()->NoListener());
 }
 
 }  // namespace
