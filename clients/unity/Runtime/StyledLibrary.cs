@@ -67,7 +67,10 @@ public sealed class Network : IDisposable {
     Styles = styles;
   }
 
-  ~Network() { Native.styled_release(handle_); }
+  // Without a handle the library itself may be missing, and an exception here would end the program.
+  ~Network() {
+    if (handle_ != IntPtr.Zero) Native.styled_release(handle_);
+  }
 
   public void Dispose() {
     Native.styled_release(handle_);
@@ -129,7 +132,9 @@ public sealed class Performer : IDisposable {
     if (handle_ == IntPtr.Zero) throw new ArgumentException(Native.Text(error));
   }
 
-  ~Performer() { Native.styled_destroy(handle_); }
+  ~Performer() {
+    if (handle_ != IntPtr.Zero) Native.styled_destroy(handle_);
+  }
 
   public void Dispose() {
     Native.styled_destroy(handle_);
