@@ -10,11 +10,12 @@
 namespace styled::pipeline {
 namespace {
 
-constexpr std::size_t kShownName = 80;  // shown bytes of a name, in a reason
+constexpr std::size_t kShownName = 80;       // shown bytes of a name, in a reason
+constexpr std::size_t kShownPerformers = 5;  // named in a reason
 // Limits a reply to a megabyte.
 constexpr std::size_t kMostExplained = log::FrameHistory::kKept;
 
-// Why a performer is unknown, according to the counters of the sources.
+// Why a performer is unknown: those who are here, or the counters of the sources.
 std::string WhyNobody(const Performance& performance) {
   using runtime::Counter;
   const auto count = [&](Counter counter) { return performance.counters.Get(counter); };
@@ -24,9 +25,18 @@ std::string WhyNobody(const Performance& performance) {
   if (count(Counter::kPipelinePerformersRefused) > 0) {
     return "max_performers are here already, and another one was refused: raise it in [performers]";
   }
-  if (count(Counter::kPipelineBodiesRefused) > 0) {
-    return "a skeleton was refused; the log says why";
+  const bool refused = count(Counter::kPipelineBodiesRefused) > 0;
+  if (const auto here = performance.roster.Here(); !here.empty()) {
+    std::string text = "no performer of this name is here; here: ";
+    for (std::size_t i = 0; i < here.size() && i < kShownPerformers; ++i) {
+      text += (i == 0 ? "" : ", ") + Printable(here[i], kShownName);
+    }
+    if (here.size() > kShownPerformers) {
+      text += " and " + std::to_string(here.size() - kShownPerformers) + " more";
+    }
+    return text + (refused ? ". A skeleton was refused; the log says why" : "");
   }
+  if (refused) return "a skeleton was refused; the log says why";
   if (count(Counter::kPipelineBeforeBody) > 0) {
     return "frames came without a skeleton: let the rig send it";
   }

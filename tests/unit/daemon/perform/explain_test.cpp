@@ -255,6 +255,13 @@ TEST_F(ExplainTest, TheReasonForAnUnknownPerformerStatesTheCounters) {
   EXPECT_THAT(Ask(1, "rig.a").reason(), HasSubstr("frames came without a skeleton"));
 }
 
+TEST_F(ExplainTest, TheReasonForAMistypedPerformerNamesThoseWhoAreHere) {
+  Begin();
+  EXPECT_EQ(Ask(1, "rig.b").code(), v1::CODE_UNKNOWN_PERFORMER);
+  EXPECT_THAT(Ask(1, "rig.b").reason(),
+              HasSubstr("performer \"rig.b\": no performer of this name is here; here: rig.a"));
+}
+
 TEST_F(ExplainTest, AFrameThatIsNotKeptNamesThoseThatAre) {
   Begin();
   v1::Request request;
