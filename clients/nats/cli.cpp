@@ -140,10 +140,10 @@ int Join(const Arguments& a, const std::atomic<bool>& stop, std::ostream& out, s
       << ", commands from " << o.control << std::endl;
   const auto begin = Clock::now();
   auto next = begin + Seconds(a.stats_every_s);
-  RelayTotals shown;
+  std::pair<RelayTotals, std::size_t> shown;
   const auto print = [&] {
-    const RelayTotals now = relay.totals();
-    if (std::exchange(shown, now) != now) PrintCounters(now, relay.subjects(), out);
+    const std::pair now(relay.totals(), relay.subjects());
+    if (std::exchange(shown, now) != now) PrintCounters(now.first, now.second, out);
     next = Clock::now() + Seconds(a.stats_every_s);
   };
   bool closed = false;
