@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Builds the Debian packages (daemon/OPERATING.md lists them), and a signed apt repository of them in build/apt
-# (systemd/repository.sh).
-#   systemd/packages.sh [--train] [--key ID] [--url URL] [BUILD [CMAKE OPTIONS...]]
+# Builds the Debian packages (daemon/OPERATING.md lists them), their bill of materials (systemd/sbom.py), and a signed apt
+# repository of them in build/apt (systemd/repository.sh).
+#   systemd/packages.sh [--train | --arm64] [--key ID] [--url URL] [BUILD [CMAKE OPTIONS...]]
 #     --train       styled-train, too: installs libtorch (0.9 GB)
+#     --arm64       for ARM64, in a chroot with Debian's cross compiler and libraries (tests/arm64.sh --packages)
 #     --key, --url  as of systemd/repository.sh
 #     BUILD         the build folder, new or existing; default build/package. The packages are written there.
 # Installs what is missing (sim/setup.sh). DEBFULLNAME and DEBEMAIL, if set, name the maintainer.
