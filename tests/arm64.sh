@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # ARM64 without a machine that has it: a Debian 12 in a chroot made by debootstrap gets Debian's cross compiler and
-# the libraries of arm64, builds the preset arm64 and runs its tests under qemu-aarch64: tests/arm64.sh [TARGET...]
+# the libraries of arm64, builds the preset arm64 and runs its tests under qemu-aarch64: tests/arm64.sh [--packages FOLDER] [TARGET...]
+#   --packages FOLDER  after the tests the Debian packages are built, installed in the chroot,
+#            and a frame of a simulated performer is styled by the emulated daemon; FOLDER gets the packages
 #   TARGET   what is built and tested (default: the unit tests of model/, the goldens, the library, stylize)
 # Then one clip restyled there and on this machine (build/release/bin/stylize), and the largest difference. A compiler
 # for 32 bits and a big-endian one must be refused. Needs root, debootstrap and some 5 GB below $STYLED_CHROOTS
@@ -8,6 +10,11 @@
 # nothing about speed: an emulator has none.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
+packages=
+if [ "${1:-}" = --packages ]; then
+  packages=$(realpath -m "${2:?--packages: expected a folder}")
+  shift 2
+fi
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(stylize styled_golden_test styled_library_test styled_base_test styled_body_test
   styled_clip_test styled_devices_test styled_feet_test styled_gait_test styled_rig_test styled_stylist_test
@@ -23,10 +30,10 @@ chroot=$chroots/arm64
 
 # Of the machine that compiles, and of arm64.
 tools=(ca-certificates crossbuild-essential-arm64 g++-arm-linux-gnueabihf g++-s390x-linux-gnu cmake ninja-build
-  pkg-config protobuf-compiler qemu-user python3 scdoc libeigen3-dev nlohmann-json3-dev libcli11-dev)
+  pkg-config protobuf-compiler qemu-user python3 scdoc dpkg-dev file apt-utils gnupg nodejs npm libeigen3-dev nlohmann-json3-dev libcli11-dev)
 libraries=(libboost1.81-dev libzmq3-dev cppzmq-dev libprotobuf-dev libspdlog-dev libtomlplusplus-dev libsimdjson-dev
   libhwy-dev libncurses-dev libpng-dev liblz4-dev libzstd-dev libusb-1.0-0-dev libmeshoptimizer-dev libpugixml-dev
-  libnats-dev libavahi-client-dev libgtest-dev libgmock-dev liblo-dev liboscpack-dev zlib1g-dev)
+  libnats-dev libavahi-client-dev libgtest-dev libgmock-dev liblo-dev liboscpack-dev zlib1g-dev libsodium-dev)
 
 if [ ! -e "$chroot/etc/debian_version" ]; then
   echo "debootstrap, in $chroot"
@@ -81,5 +88,22 @@ else
   inside "qemu-aarch64 build/arm64/bin/stylize ${options[*]} $clip build/arm64/there.bvh >/dev/null"
   printf 'a styled clip, here and on ARM64: '
   python3 -B "$root/tests/arm64_clip.py" "$root/build/arm64/here.bvh" "$root/build/arm64/there.bvh" || bad=1
+fi
+
+if [ -n "$packages" ]; then
+  inside "nice -n 12 systemd/packages.sh --arm64 build/arm64" >"$chroots/packages.log" 2>&1 || { tail -n 20 "$chroots/packages.log" >&2; exit 1; }
+  mkdir -p "$packages"
+  cp "$root"/build/arm64/*.deb "$packages"
+  inside "apt-get install -q -y --no-install-recommends ./build/arm64/*.deb" >"$chroots/packages.log" 2>&1 ||
+    { tail -n 20 "$chroots/packages.log" >&2; exit 1; }
+  # Programs of arm64, installed, in a system of amd64.
+  (
+    work=$chroots root=$chroot emulator=qemu-aarch64
+    . tests/service/packages_common.sh
+    check "packages are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev} ${Architecture}\n' styled styled-tools libstyled0 | sort -u)" "ii  arm64"
+    check "libraries that a program lacks" "$(inside sh -c 'for p in /usr/bin/style*; do qemu-aarch64 "$p" --version >/dev/null || echo "$p"; done')" ""
+    check "a frame's way, and a style" "$(runs zombie)" zombie
+    exit $failed
+  ) || bad=1
 fi
 exit $bad

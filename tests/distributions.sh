@@ -1,18 +1,22 @@
 #!/usr/bin/env bash
-# The README's two commands on a fresh Debian, in a chroot made by debootstrap: tests/distributions.sh [--demo] [SUITE...]
+# On a fresh Debian, in a chroot made by debootstrap, the README's two commands:
+# tests/distributions.sh [--demo | --packages] [SUITE...]
 #   --demo   only sim/demo.sh; tests/run.sh takes an hour
+#   --packages  instead of both: systemd/packages.sh, and what it built is installed in a fresh one (tests/service/packages.sh)
 #   SUITE    bookworm, trixie (default: both), or noble (Ubuntu 24.04; needs Ubuntu's keyring)
 # Needs root, debootstrap and some 10 GB below $STYLED_CHROOTS (default: a new folder in /var/tmp). The commit that is
 # checked out is built, without what is not committed. Prints the seconds of each command. Not part of CI.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 commands=("sim/demo.sh --seconds 5 --plain" tests/run.sh)
+packages=no
 suites=()
 for argument in "$@"; do
   case "$argument" in
     --demo) commands=("${commands[0]}") ;;
+    --packages) commands=("systemd/packages.sh --train") packages=yes ;;
     -*)
-      echo "unknown option '$argument'; expected --demo" >&2
+      echo "unknown option '$argument'; expected --demo or --packages" >&2
       exit 2
       ;;
     *) suites+=("$argument") ;;
@@ -62,5 +66,6 @@ for suite in "${suites[@]}"; do
     fi
     echo "$suite: $command: $result ($((SECONDS - begun)) s)"
   done
+  if [ $packages = yes ] && [ "$result" = ok ]; then "$root/tests/service/packages.sh" "$chroot/src/build/package" || bad=1; fi
 done
 exit $bad

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# Installs, runs, upgrades and purges the packages in a fresh Debian 12, and asks lintian about them. By
-# hand, as root, a few minutes, with the network.
+# Installs, runs, upgrades and purges the packages in a fresh Debian, 12 or 13 as they were built for, and asks lintian
+# about them. By hand, as root, a few minutes, with the network.
 #   tests/service/packages.sh DEBS [ROOT]
 #     DEBS  the folder where systemd/packages.sh put them
 #     ROOT  a folder to leave the system in, packages installed (for qemu.sh); default: none is left
 #     STYLED_BASE in the environment: a folder that debootstrap made, to save its time
-#     STYLED_OLD in the environment: a folder of packages of an older version, from which the first upgrade goes out
+#     STYLED_OLD in the environment: a folder of packages of an older version for the same Debian, from which the first
+#     upgrade goes out (upgrade.sh upgrades the Debian, too)
 # apt: debootstrap lintian
 set -euo pipefail
-[ $# -ge 1 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 1 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 debs=$(realpath "$1")
 work=$(mktemp -d)
 root=$work/root
@@ -18,13 +19,10 @@ cleanup() {
   rm -rf --one-file-system "$work"
 }
 trap cleanup EXIT
-failed=0
-check() { if [ "$2" = "$3" ]; then echo "ok: $1"; else echo "FAILED: $1: $2, expected $3"; failed=1; fi; }
-inside() {
-  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
-}
-quietly() { "$@" >"$work/log" 2>&1 || { tail -n 30 "$work/log"; echo "FAILED: $*"; exit 1; }; }
-apt() { quietly inside apt-get -q -y --no-install-recommends "$@"; }
+. "$(dirname "$0")/packages_common.sh"
+suite=bookworm
+case $(dpkg-deb -f "$debs"/styled_*.deb Version) in *+deb13*) suite=trixie ;; esac
+echo "packages for $suite"
 
 echo "lintian:"
 lintian --fail-on error --tag-display-limit 0 "$debs"/*.deb && tags=0 || tags=$?
@@ -34,7 +32,7 @@ check "lintian finds no errors" $tags 0
 if [ -n "${STYLED_BASE:-}" ]; then
   cp -a "$STYLED_BASE" "$root"
 else
-  quietly debootstrap --variant=minbase bookworm "$root"
+  quietly debootstrap --variant=minbase "$suite" "$root"
 fi
 mount -t proc proc "$root/proc"
 mounted=yes
@@ -49,42 +47,23 @@ everything() { # and whose it is
 everything >"$work/before"
 inside getent group | sort >"$work/groups"
 
-# As it is started by hand: ports of the system's choice, and the weights given (none: the default).
-setting() { sed -n "s/.*\"$1\": \"\(.*\)\".*/\1/p" "$root/tmp/ready.json" | head -n 1; }
-runs() { # STYLE [OPTION...]
-  local style=$1 daemon i
-  shift
-  rm -f "$root/tmp/ready.json"
-  chroot "$root" /usr/bin/styled --config /etc/styled/styled.toml --set source.0.listen=127.0.0.1:0 --set source.1.listen=127.0.0.1:0 \
-    --set publish.address=tcp://127.0.0.1:0 --set control.address=tcp://127.0.0.1:0 \
-    --set state.dir=/var/lib/styled --set security.keys=/var/lib/styled/keys --set record.file=/var/lib/styled/ \
-    --ready-file /tmp/ready.json "$@" 2>"$work/styled.log" &
-  daemon=$!
-  for i in $(seq 300); do [ -s "$root/tmp/ready.json" ] && break; sleep 0.1; done
-  [ -s "$root/tmp/ready.json" ] || { cat "$work/styled.log" >&2; return 1; }
-  inside stylesim --to "udp://$(setting listen)" --seconds 2 >/dev/null
-  [ -z "$style" ] || inside stylectl --endpoint "$(setting control)" set rig.sim --style "$style" >/dev/null
-  inside stylectl --endpoint "$(setting control)" status | grep -o "rig.sim.*\(elderly\|zombie\)" | grep -o '[a-z]*$' || true
-  kill "$daemon"
-  wait "$daemon" || { cat "$work/styled.log" >&2; return 1; }
-}
-# The folder that a daemon makes which others can reach; this one is on loopback.
-allow() { quietly inside sh -c 'mkdir -p -m 700 /var/lib/styled/keys; stylectl --keys /var/lib/styled/keys allow anna -- "$(stylectl keygen /tmp/anna.key | grep -o "[^ ]\{40\}")"'; }
-
 mkdir "$root/debs"
 if [ -n "${STYLED_OLD:-}" ]; then
   cp "$STYLED_OLD"/*.deb "$root/debs"
   quietly inside sh -c 'dpkg -i /debs/*.deb'
   old=$(inside dpkg-query -W -f '${Version}' styled)
-  check "$old: a frame's way, and a style" "$(runs elderly)" elderly
+  cp "$(dirname "$0")/../parity/fixtures/synthetic.bvh" "$root/tmp/pirate.bvh"
+  check "$old: a frame's way, and a style" "$(during=$like runs elderly "${library[@]}")" elderly
+  check "$old: a style of an example" "$(runs pirate "${library[@]}")" pirate
   allow
-  (cd "$root/var/lib/styled" && find . -type f ! -name performers.toml -exec sha256sum {} + | sort) >"$work/kept"
+  (cd "$root/var/lib/styled" && find . -type f ! -name performers.toml ! -path './styles/*' -exec sha256sum {} + | sort) >"$work/kept"
   rm "$root"/debs/*
   cp "$debs"/styled_*.deb "$debs"/styled-tools_*.deb "$debs"/styled-web_*.deb "$root/debs"
   quietly inside sh -c 'dpkg -i /debs/*.deb'
   check "upgraded from $old without the weights that were in it: it is told where they are" \
     "$(grep -c 'now in the package styled-weights-nc' "$work/log")" 1
   check "it runs with open" "$(runs zombie --weights open)" zombie
+  check "and with the style of the example" "$(runs pirate --weights open "${library[@]}")" pirate
   rm -rf "$root/debs"
   mkdir "$root/debs"
   # Once more, as whoever keeps the weights does it.
@@ -100,6 +79,8 @@ if [ -n "${STYLED_OLD:-}" ]; then
   check "upgraded from $old, styled-weights-nc has the weights" \
     "$(inside dpkg-query -S /usr/share/styled/weights/v2.safetensors)" "styled-weights-nc: /usr/share/styled/weights/v2.safetensors"
   check "the performer's style stayed" "$(runs '')" elderly
+  check "so did the style of an example" "$(runs pirate "${library[@]}")" pirate
+  runs elderly >/dev/null
   check "keys and recordings stayed" "$(cd "$root/var/lib/styled" && sha256sum --quiet -c "$work/kept" && grep -c 'keys/clients/anna.key' "$work/kept")" 1
 fi
 count=$(ls "$debs"/*.deb | wc -l)
