@@ -50,6 +50,8 @@ def files_of(deb, tree):
     for path in finish_packages.files_of(tree):
         stanza = finish_packages.stanza_of(stanzas, path)
         at = os.path.join(tree, path)
+        if os.path.islink(at):  # to a file of this package, or of the library's that it depends on
+            continue
         yield {'SPDXID': identifier('File', name, path), 'fileName': './' + path,
                'checksums': [{'algorithm': kind.upper(), 'checksumValue': digest(at, kind)} for kind in ('sha1', 'sha256')],
                'licenseConcluded': expression(stanza['License']), 'licenseInfoInFiles': ['NOASSERTION'],
