@@ -171,7 +171,8 @@ def as_shipped(text, file, documents, here):
 # Packages ------------------------------------------------------------------------------------------------------------
 
 def debian_changelog(changelog, package, maintainer, of=''):
-    """CHANGELOG.md in the format of Debian's changelogs. of: what the package's version has after the newest version."""
+    """CHANGELOG.md in the format of Debian's changelogs. of: what the package's version has after the newest version; it gets
+    an entry of its own, as rebuilds of Debian do."""
     entries = []
     for part in re.split(r'^## ', changelog, flags=re.MULTILINE)[1:]:
         version, day = re.match(r'(\S+) \((\d{4}-\d\d-\d\d)\)\n', part).groups()
@@ -179,7 +180,9 @@ def debian_changelog(changelog, package, maintainer, of=''):
         date = datetime.datetime.strptime(day, '%Y-%m-%d').strftime('%a, %d %b %Y 00:00:00 +0000')
         lines = ''.join(textwrap.fill(' '.join(change[2:].replace('`', '').split()), 78, initial_indent='  * ',
                                       subsequent_indent='    ', break_on_hyphens=False) + '\n' for change in changes)
-        entries.append(f'{package} ({version}{"" if entries else of}) unstable; urgency=medium\n\n{lines}\n -- {maintainer}  {date}\n')
+        if of and not entries:
+            entries.append(f'{package} ({version}{of}) unstable; urgency=medium\n\n  * Built for {of[1:]}.\n\n -- {maintainer}  {date}\n')
+        entries.append(f'{package} ({version}) unstable; urgency=medium\n\n{lines}\n -- {maintainer}  {date}\n')
     return '\n'.join(entries)
 
 
