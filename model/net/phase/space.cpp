@@ -124,6 +124,12 @@ Style Space::ScaledBy(const Style& style, float strength) const {
   return MeanOf(both);
 }
 
+net::StyleCode Space::Portable(const net::StyleCode& code) const {
+  net::StyleCode own = code;
+  own.resize(std::min(code.size(), kCodeSize));
+  return IsCode(own) ? own : net::StyleCode();
+}
+
 net::StyleCode Space::MakeCode(const net::StyleRequest& request) const {
   std::vector<Weighted> sources;
   for (const net::StyleSource& source : request.sources) {

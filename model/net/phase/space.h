@@ -19,7 +19,8 @@ class Space final : public net::StyleSpace {
   net::StyleCode MakeCode(const net::StyleRequest& request) const override;
   net::StyleCode Difference(const net::StyleCode& code, const net::StyleCode& from) const override;
   net::StyleCode Mean(const net::StyleCode& a, const net::StyleCode& b, float share) const override;
-  net::StyleCode Portable(const net::StyleCode& code) const override { return code; }
+  // The whole code, or this family's part of a pair (several_space.h).
+  net::StyleCode Portable(const net::StyleCode& code) const override;
   std::span<const net::Slider> sliders() const override;
   std::span<const net::Preset> presets() const override;
   Result<net::StyleCode> Design(const net::StyleCode& code,

@@ -72,6 +72,17 @@ TEST(PhaseSpace, CodesAreIndependentOfTheWeights) {
   EXPECT_EQ(TestSpace().Portable(code), code);
 }
 
+// Of a style that was made beside another network, which is gone now.
+TEST(PhaseSpace, OfAPairsCodeItsOwnPartIsTaken) {
+  const net::StyleCode code = CodeOf(StyledWalk(5));
+  net::StyleCode pair = code, other(300, 0.5F);
+  pair.insert(pair.end(), other.begin(), other.end());
+  EXPECT_EQ(TestSpace().Portable(pair), code);
+  EXPECT_THAT(TestSpace().Portable(other), IsEmpty());
+  other.resize(2 * kCodeSize, 0.5F);
+  EXPECT_THAT(TestSpace().Portable(other), IsEmpty());
+}
+
 TEST(PhaseSpace, AMeanKeepsWhatOnlyOneOfThemHas) {
   const net::StyleCode walk = CodeOf(StyledWalk(8)), run = CodeOf(gait::Perform("run:60", 8, 30));
   const Style both = FromCode(TestSpace().Mean(walk, run, 0.5F));
