@@ -98,8 +98,8 @@ if [ -n "$packages" ]; then
     { tail -n 20 "$chroots/packages.log" >&2; exit 1; }
   # Programs of arm64, installed, in a system of amd64.
   (
+    . "$root/tests/service/packages_common.sh"
     work=$chroots root=$chroot emulator=qemu-aarch64
-    . tests/service/packages_common.sh
     check "packages are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev} ${Architecture}\n' styled styled-tools libstyled0 | sort -u)" "ii  arm64"
     check "libraries that a program lacks" "$(inside sh -c 'for p in /usr/bin/style*; do qemu-aarch64 "$p" --version >/dev/null || echo "$p"; done')" ""
     check "a frame's way, and a style" "$(runs zombie)" zombie
