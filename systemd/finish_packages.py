@@ -181,7 +181,7 @@ def debian_changelog(changelog, package, maintainer, of=''):
         lines = ''.join(textwrap.fill(' '.join(change[2:].replace('`', '').split()), 78, initial_indent='  * ',
                                       subsequent_indent='    ', break_on_hyphens=False) + '\n' for change in changes)
         if of and not entries:
-            entries.append(f'{package} ({version}{of}) unstable; urgency=medium\n\n  * Built for {of[1:]}.\n\n -- {maintainer}  {date}\n')
+            entries.append(f'{package} ({version}{of}) unstable; urgency=medium\n\n  * Built for {of[1:]}.\n\n -- {maintainer}  {date.replace("00:00:00", "00:00:01")}\n')
         entries.append(f'{package} ({version}) unstable; urgency=medium\n\n{lines}\n -- {maintainer}  {date}\n')
     return '\n'.join(entries)
 

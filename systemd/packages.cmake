@@ -4,8 +4,8 @@ set(STYLED_PACKAGE_MAINTAINER "Styled maintainers <maintainers@styled.invalid>"
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME styled)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-# Packages of one version for two Debians are two packages: a repository holds both, and apt takes the other one's
-# when the system is upgraded. In the way of Debian's own updates: 0.2.0+deb12 < 0.2.0+deb13 < 0.2.1.
+# Packages of one version for two Debians are two packages: a repository holds both, and apt takes those of the new
+# Debian when a system is upgraded. In the way of Debian's own updates: 0.2.0+deb12 < 0.2.0+deb13 < 0.2.1.
 cmake_host_system_information(RESULT system QUERY DISTRIB_INFO)
 string(REGEX REPLACE "^\\+debian" "+deb" of "+${system_ID}${system_VERSION_ID}")
 if(NOT of MATCHES "^[+][a-z]+[0-9.]+$")

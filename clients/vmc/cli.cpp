@@ -99,7 +99,7 @@ std::string Targets(const Channel& channel) {
   return text;
 }
 
-// "; no program listens at 127.0.0.1:39539": as far as their machines say so.
+// "; no program listens at 127.0.0.1:39539": as far as their machines report it.
 std::string NoListener(const Channel& channel) {
   std::string text;
   for (const auto& target : channel.targets) {

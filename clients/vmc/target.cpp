@@ -118,7 +118,7 @@ std::string Target::Send(std::span<const std::byte> datagram) {
   if (!answered) return error.message();
   if (first == asio::error::connection_refused) impl_->refused = impl_->sent;
   send();
-  if (!error) error = first;  // a machine without a route is told, too
+  if (!error) error = first;  // no route to the machine is an error, too
   return error == asio::error::connection_refused ? std::string() : error.message();
 }
 

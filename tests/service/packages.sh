@@ -125,7 +125,7 @@ purge
 check "purged, it says that keys and recordings are kept" "$(grep -c 'kept in /var/lib/styled;' "$work/log")" 1
 check "they are, and the settings are gone" "$(ls "$root/var/lib/styled")" "$(grep -v '^performers.toml$' "$work/state")"
 check "keys and a recording are among them" "$(ls "$root/var/lib/styled/keys/clients" | grep -c anna.key), $(find "$root/var/lib/styled" -maxdepth 1 -type f | grep -c .)" \
-  "1, $(grep -vc 'performers.toml\|keys' "$work/state")"
+  "1, $(grep -vc 'performers.toml\|keys\|styles' "$work/state")"
 check "the group is kept with them" "$(inside getent group styled | cut -d: -f1)" styled
 
 # Installed again over what was kept, and told to remove that, too.
