@@ -62,8 +62,8 @@ class OscCaseTable {
     Add("nothing", {}, R::kTooShort);
     Add("three bytes", ToBytes("/a"), R::kBadSize);
     Add("not OSC", I(0xDEADBEEF) + I(0xDEADBEEF), R::kBadAddress);
-    // Both witnesses take any text for an address.
-    Add("an address without a slash", S("VMC/Ext/T") + S(",f") + F(1), R::kBadAddress, kDiffers,
+    // oscpack takes any text for an address, and so does liblo 0.31; 0.32, Debian 13's, refuses it.
+    Add("an address without a slash", S("VMC/Ext/T") + S(",f") + F(1), R::kBadAddress, kNotAsked,
         kDiffers);
     Add("an address that does not end", ToBytes("/VMC/Ext/T/a"), R::kBadAddress);
     Add("an address cut short", ToBytes("/VMC/Ext/T"), R::kBadSize);

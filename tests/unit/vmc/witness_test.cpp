@@ -1,4 +1,4 @@
-// Others' OSC against ours, both ways: liblo 0.31 and oscpack 1.1.
+// Others' OSC against ours, both ways: liblo 0.31 or 0.32, and oscpack 1.1.
 #include "tests/unit/vmc/witness.h"
 
 #include <gmock/gmock.h>
