@@ -99,6 +99,7 @@ if [ -n "$packages" ]; then
   # Programs of arm64, installed, in a system of amd64.
   (
     . "$root/tests/service/packages_common.sh"
+    stylesim=$root/build/release/bin/stylesim  # sim/setup.sh run builds it
     work=$chroots root=$chroot emulator=qemu-aarch64
     check "packages are installed" "$(inside dpkg-query -W -f '${db:Status-Abbrev} ${Architecture}\n' styled styled-tools libstyled0 | sort -u)" "ii  arm64"
     check "libraries that a program lacks" "$(inside sh -c 'for p in /usr/bin/style*; do qemu-aarch64 "$p" --version >/dev/null || echo "$p"; done')" ""
