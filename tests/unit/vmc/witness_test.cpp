@@ -25,10 +25,17 @@ bool Agrees(const testing::OscCase& c, const Witness& witness) {
   return witness.taken == (c.expected == osc::Result::kOk);
 }
 
+bool LibloAgrees(Verdict marked) {
+  int major = 0, minor = 0;
+  lo_version(nullptr, 0, &major, &minor, nullptr, 0, nullptr, nullptr, nullptr);
+  const bool new_one = major > 0 || minor >= 32;
+  return marked == Verdict::kAgrees || (marked == Verdict::kDiffersBefore032 && new_one);
+}
+
 TEST(Witnesses, JudgeEveryCaseAsWeDoButForThoseMarked) {
   for (const auto& c : testing::OscCases()) {
     if (c.liblo != Verdict::kNotAsked) {
-      EXPECT_EQ(Agrees(c, testing::ReadLiblo(c.bytes)), c.liblo == Verdict::kAgrees) << c.name;
+      EXPECT_EQ(Agrees(c, testing::ReadLiblo(c.bytes)), LibloAgrees(c.liblo)) << c.name;
     }
     if (c.oscpack != Verdict::kNotAsked) {
       EXPECT_EQ(Agrees(c, testing::ReadOscpack(c.bytes)), c.oscpack == Verdict::kAgrees) << c.name;
